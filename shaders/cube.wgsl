@@ -1,0 +1,56 @@
+// The small cube that hides hills and is hidden by them, and the edges of the terrain's box: the same unit cube,
+// transformed on the CPU.
+
+#import relief::frame::{frame, pixel_ray, cube_corner}
+
+struct Cube {
+    // Corners in clip space.
+    clip: array<vec4f, 8>,
+    // Towards the sun in the cube's own space; zero when lighting is off.
+    sun: vec3f,
+    ambient: f32,
+}
+
+@group(1) @binding(0) var<uniform> cube: Cube;
+
+struct Varyings {
+    @builtin(position) position: vec4f,
+    // Position on the cube, 0 to 1.
+    @location(0) corner: vec3f,
+    // View depth: the interpolated depth has too few bits to be turned back into a distance far away.
+    @location(1) view_depth: f32,
+}
+
+@vertex
+fn vs_main(@builtin(vertex_index) index: u32) -> Varyings {
+    let clip = cube.clip[index];
+    return Varyings(clip, cube_corner(index), clip.w);
+}
+
+#ifdef WIREFRAME
+@fragment
+fn fs_main(in: Varyings) -> @location(0) vec4f {
+    return vec4f(1.0, 0.8, 0.1, 1.0);
+}
+#else
+@fragment
+fn fs_main(in: Varyings) -> @location(0) vec4f {
+#ifdef PROBE
+    let ray = pixel_ray(in.position.xy);
+    return vec4f(in.view_depth * length(ray.direction), 0.0, 0.0, 2.0);
+#else
+    // The face: the axis on which the position is at an end.
+    let centred = 2.0 * in.corner - 1.0;
+    let size = abs(centred);
+    let on_x = size.x >= size.y && size.x >= size.z;
+    let on_y = !on_x && size.y >= size.z;
+    let normal = sign(centred) * vec3f(vec3<bool>(on_x, on_y, !on_x && !on_y));
+    // Six bright colours: warm on the positive side of an axis, cold on the negative one.
+    let warm = normal.x + normal.y + normal.z > 0.0;
+    let color = select(vec3f(0.05, 0.25, 0.9), vec3f(1.0, 0.18, 0.05), warm) * abs(normal.x)
+        + select(vec3f(0.6, 0.05, 0.75), vec3f(1.0, 0.75, 0.05), warm) * abs(normal.y)
+        + select(vec3f(0.05, 0.75, 0.75), vec3f(0.2, 0.85, 0.15), warm) * abs(normal.z);
+    return vec4f(color * (cube.ambient + max(dot(normal, cube.sun), 0.0)), 1.0);
+#endif
+}
+#endif

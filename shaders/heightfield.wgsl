@@ -1,0 +1,139 @@
+// The surface: bilinear interpolation of the map's samples. Bind group 1 of the terrain pass.
+//
+// Grid space: x and z count cells from the north-western sample, y is the height in world units. A hit is found in
+// grid space; its parameter means the same in world space.
+#define_import_path relief::heightfield
+
+struct Terrain {
+    // Corners of the box in clip space, a little inflated (see `render/terrain.rs`); transformed on the CPU in f64.
+    box_clip: array<vec4f, 8>,
+    // Size of the box, world units.
+    size: vec3f,
+    // Height of the highest terrain, world units.
+    highest: f32,
+    // Cells along x and z.
+    cells: vec2i,
+    // Cells per world unit along x and z.
+    cells_per_unit: vec2f,
+    // Uniform steps: fewest and most.
+    samples: vec2f,
+    // Halvings after the first sample below the ground.
+    binary_steps: u32,
+    // Coarsest level of the pyramid.
+    top_level: u32,
+    // Guard against an endless walk.
+    step_cap: u32,
+    // Highest displacement of the crater layer, world units; 0 without one.
+    layer_rise: f32,
+    // Samples of the crater layer along x and z, less one.
+    layer_cells: vec2f,
+    // Towards the sun.
+    sun: vec3f,
+    ambient: f32,
+    diffuse: f32,
+    specular: f32,
+    shininess: f32,
+    repeats: f32,
+    // Texels of the diffuse texture per world unit (one repeat).
+    texel_density: f32,
+    heat_map_max: f32,
+    padding: vec2f,
+}
+
+@group(1) @binding(0) var<uniform> terrain: Terrain;
+@group(1) @binding(1) var heights: texture_2d<f32>;
+
+#ifdef HEIGHT_SAMPLER
+@group(1) @binding(2) var height_sampler: sampler;
+#endif
+
+#ifdef CRATERS_LAYERED
+// Displacements of the craters as shares of the box's height, at a resolution of their own.
+@group(1) @binding(4) var crater_layer: texture_2d<f32>;
+
+fn layer_texel(texel: vec2i) -> f32 {
+    return textureLoad(crater_layer, texel, 0).r;
+}
+
+// Displacement at the grid position `p`, as a share of the box's height.
+fn layer_displacement(p: vec2f) -> f32 {
+    let q = p / vec2f(terrain.cells) * terrain.layer_cells;
+#ifdef FILTER_HARDWARE_LINEAR
+    return textureSampleLevel(crater_layer, height_sampler, (q + 0.5) / (terrain.layer_cells + 1.0), 0.0).r;
+#else
+    let base = clamp(floor(q), vec2f(0.0), terrain.layer_cells - 1.0);
+    let f = q - base;
+    let i = vec2i(base);
+    let north = mix(layer_texel(i), layer_texel(i + vec2i(1, 0)), f.x);
+    let south = mix(layer_texel(i + vec2i(0, 1)), layer_texel(i + vec2i(1, 1)), f.x);
+    return mix(north, south, f.y);
+#endif
+}
+#endif
+
+// Height of sample `texel` in world units.
+fn sample_height(texel: vec2i) -> f32 {
+    let height = textureLoad(heights, texel, 0).r;
+#ifdef CRATERS_LAYERED
+    return clamp(height + layer_displacement(vec2f(texel)), 0.0, 1.0) * terrain.size.y;
+#else
+    return height * terrain.size.y;
+#endif
+}
+
+// Heights of the four corners of `cell`, world units: north-west, north-east, south-west, south-east.
+fn cell_corners(cell: vec2i) -> vec4f {
+    return vec4f(
+        sample_height(cell),
+        sample_height(cell + vec2i(1, 0)),
+        sample_height(cell + vec2i(0, 1)),
+        sample_height(cell + vec2i(1, 1)),
+    );
+}
+
+fn bilinear(corners: vec4f, f: vec2f) -> f32 {
+    return mix(mix(corners.x, corners.y, f.x), mix(corners.z, corners.w, f.x), f.y);
+}
+
+// Height of the ground at the grid position `p`, world units, read the way the scene chose.
+fn ground_height(p: vec2f) -> f32 {
+#ifdef FILTER_HARDWARE_LINEAR
+    var height = textureSampleLevel(heights, height_sampler, (p + 0.5) / vec2f(terrain.cells + 1), 0.0).r;
+#else
+#ifdef FILTER_NEAREST
+    var height = textureLoad(heights, clamp(vec2i(floor(p + 0.5)), vec2i(0), terrain.cells), 0).r;
+#else
+    let cell = clamp(vec2i(floor(p)), vec2i(0), terrain.cells - 1);
+    let f = p - vec2f(cell);
+    let north = mix(textureLoad(heights, cell, 0).r, textureLoad(heights, cell + vec2i(1, 0), 0).r, f.x);
+    let south = mix(textureLoad(heights, cell + vec2i(0, 1), 0).r, textureLoad(heights, cell + vec2i(1, 1), 0).r, f.x);
+    var height = mix(north, south, f.y);
+#endif
+#endif
+#ifdef CRATERS_LAYERED
+    height = clamp(height + layer_displacement(p), 0.0, 1.0);
+#endif
+    return height * terrain.size.y;
+}
+
+// A piece of a ray in grid space, beginning where the ray enters the box.
+struct Segment {
+    origin: vec3f,
+    direction: vec3f,
+    // Parameter where the ray leaves the box.
+    end: f32,
+    // |cosine| of the angle between the ray and the vertical, in world space.
+    verticality: f32,
+}
+
+// The parameter of a ray that meets nothing.
+const NO_HIT: f32 = -1.0;
+
+struct Hit {
+    // Parameter along the segment, or NO_HIT.
+    at: f32,
+    // Places where the height field was read or a node was visited.
+    steps: u32,
+    // 1 where the walk was cut off by `step_cap`.
+    capped: u32,
+}

@@ -1,0 +1,33 @@
+// Uniform steps, then halvings between the last point above the ground and the first below it (Policarpo, Oliveira,
+// Comba 2005, section 3; the 2009 study, section 3.3).
+#define_import_path relief::march
+
+#import relief::heightfield::{terrain, Segment, Hit, NO_HIT, ground_height}
+#import relief::sampling::sample_count
+
+fn march(ray: Segment) -> Hit {
+    let count = sample_count(ray);
+    let step = ray.end / count;
+    for (var i = 0.0; i <= count; i += 1.0) {
+        var below = step * i;
+        let p = ray.origin + ray.direction * below;
+        if p.y <= ground_height(p.xz) {
+            // The first sample is where the ray enters: below it there is nothing to halve.
+            if i == 0.0 {
+                return Hit(0.0, 1u, 0u);
+            }
+            var above = step * (i - 1.0);
+            for (var k = 0u; k < terrain.binary_steps; k++) {
+                let middle = 0.5 * (above + below);
+                let q = ray.origin + ray.direction * middle;
+                if q.y <= ground_height(q.xz) {
+                    below = middle;
+                } else {
+                    above = middle;
+                }
+            }
+            return Hit(below, u32(i) + 1u + terrain.binary_steps, 0u);
+        }
+    }
+    return Hit(NO_HIT, u32(count) + 1u, 0u);
+}

@@ -1,0 +1,179 @@
+// The terrain pass: the back faces of the box are drawn, so that it works from inside and out, and each fragment casts
+// its ray through the height field.
+
+#import relief::frame::{frame, Ray, pixel_ray, cube_corner}
+#import relief::constants::NEAR
+#import relief::heightfield::{terrain, Segment, Hit, NO_HIT, ground_height}
+#ifndef VIEW_POSITION
+#import relief::march::march
+#endif
+#ifdef SHADED
+#import relief::shading
+#endif
+#ifdef VIEW_NORMALS
+#import relief::shading
+#endif
+#ifdef VIEW_STEPS
+#import relief::heat_map::heat_map
+#endif
+
+struct Varyings {
+    @builtin(position) position: vec4f,
+#ifdef VIEW_POSITION
+    @location(0) corner: vec3f,
+#endif
+}
+
+@vertex
+fn vs_main(@builtin(vertex_index) index: u32) -> Varyings {
+    var out: Varyings;
+    out.position = terrain.box_clip[index];
+#ifdef VIEW_POSITION
+    out.corner = cube_corner(index);
+#endif
+    return out;
+}
+
+struct Fragment {
+    // The picture, linear light; or, for a probe: distance, steps, capped, 1.
+    @location(0) color: vec4f,
+#ifndef VIEW_POSITION
+    @builtin(frag_depth) depth: f32,
+#endif
+}
+
+#ifdef VIEW_POSITION
+
+// The study's fixed-function shader: no ray, only where on the cube the fragment lies.
+@fragment
+fn fs_main(in: Varyings) -> Fragment {
+    return Fragment(vec4f(from_srgb(in.corner), 1.0));
+}
+
+#else
+
+// The part of a ray inside the box, and the axis of the face it comes in through (3: it starts inside).
+struct Span {
+    begin: f32,
+    end: f32,
+    axis: u32,
+}
+
+const RECIPROCAL_OF_ZERO: f32 = 1e30;
+
+fn reciprocal(d: vec3f) -> vec3f {
+    return select(1.0 / d, vec3f(RECIPROCAL_OF_ZERO), abs(d) < vec3f(1.0 / RECIPROCAL_OF_ZERO));
+}
+
+fn clip_to_box(ray: Ray) -> Span {
+    let inverse = reciprocal(ray.direction);
+#ifdef LOWER_START
+    let top = terrain.highest;
+#else
+    let top = terrain.size.y;
+#endif
+    let first = (vec3f(0.0) - ray.origin) * inverse;
+    let second = (vec3f(terrain.size.x, top, terrain.size.z) - ray.origin) * inverse;
+    let enter = min(first, second);
+    let leave = max(first, second);
+    var span = Span(-frame.ray_start, min(min(leave.x, leave.y), leave.z), 3u);
+    for (var axis = 0u; axis < 3u; axis++) {
+        if enter[axis] > span.begin {
+            span.begin = enter[axis];
+            span.axis = axis;
+        }
+    }
+    return span;
+}
+
+@fragment
+fn fs_main(in: Varyings) -> Fragment {
+    let ray = pixel_ray(in.position.xy);
+    let span = clip_to_box(ray);
+    if span.begin > span.end {
+        discard;
+    }
+    let length_of_direction = length(ray.direction);
+    let scale = vec3f(terrain.cells_per_unit.x, 1.0, terrain.cells_per_unit.y);
+    let inside = vec2f(terrain.cells);
+    var origin = (ray.origin + ray.direction * span.begin) * scale;
+    origin = vec3f(clamp(origin.x, 0.0, inside.x), origin.y, clamp(origin.z, 0.0, inside.y));
+    let direction = ray.direction * scale;
+    let segment = Segment(origin, direction, span.end - span.begin, abs(ray.direction.y) / length_of_direction);
+    let hit = march(segment);
+    var at = hit.at;
+    let missed = at == NO_HIT;
+    if missed {
+#ifdef DISCARD_MISSES
+#ifdef PROBE
+        // Steps of a ray that meets nothing count, too; its depth is that of the sky.
+        return Fragment(vec4f(-1.0, f32(hit.steps), f32(hit.capped), 1.0), 0.0);
+#else
+#ifdef VIEW_STEPS
+        return Fragment(vec4f(heat_map(f32(hit.steps) / terrain.heat_map_max), 1.0), NEAR / 1e30);
+#else
+        discard;
+#endif
+#endif
+#else
+        at = segment.end;
+#endif
+    }
+    let depth = frame.ray_start + span.begin + at;
+    let written = min(NEAR / max(depth, NEAR), 1.0);
+
+#ifdef PROBE
+    return Fragment(vec4f(depth * length_of_direction, f32(hit.steps), f32(hit.capped), 1.0), written);
+#endif
+#ifdef VIEW_STEPS
+    return Fragment(vec4f(heat_map(f32(hit.steps) / terrain.heat_map_max), 1.0), written);
+#endif
+#ifdef VIEW_DISTANCE
+    let nearness = 1.0 / (1.0 + depth * length_of_direction);
+    return Fragment(vec4f(from_srgb(vec3f(nearness)), 1.0), written);
+#endif
+#ifdef VIEW_NORMALS
+    let p = origin + direction * at;
+    let facing = surface_normal(at == 0.0, span.axis, p.xz, ray.direction);
+    return Fragment(vec4f(from_srgb(0.5 * facing + 0.5), 1.0), written);
+#endif
+#ifdef SHADED
+    let point = origin + direction * at;
+    // A hit where the ray comes in is the cut side of the box, unless it came in through the lid.
+    let wall = at == 0.0 && (span.axis != 1u || ray.direction.y > 0.0);
+    var albedo: vec3f;
+    if wall {
+        albedo = shading::wall_albedo(point.y);
+    } else {
+        albedo = shading::ground_albedo(point.xz, depth);
+    }
+#ifdef LIGHTING
+    let normal = surface_normal(at == 0.0, span.axis, point.xz, ray.direction);
+    albedo = shading::lit(albedo, normal, -ray.direction / length_of_direction);
+#endif
+    return Fragment(vec4f(albedo, 1.0), written);
+#endif
+}
+
+#ifdef SURFACE_NORMAL
+// Normal of what was hit: the face for a hit at the box's side or floor, the ground's otherwise.
+fn surface_normal(at_entry: bool, axis: u32, p: vec2f, direction: vec3f) -> vec3f {
+    if at_entry && axis == 3u {
+        // The eye is in the ground.
+        return -normalize(direction);
+    }
+    if at_entry && (axis != 1u || direction.y > 0.0) {
+        var normal = vec3f(0.0);
+        normal[axis] = -sign(direction[axis]);
+        return normal;
+    }
+    return shading::ground_normal(p);
+}
+#endif
+
+#endif
+
+// Debug colours are meant as the bytes on the screen; the target encodes linear light.
+fn from_srgb(c: vec3f) -> vec3f {
+    return select(pow((c + 0.055) / 1.055, vec3f(2.4)), c / 12.92, c <= vec3f(0.04045));
+}

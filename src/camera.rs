@@ -1,0 +1,224 @@
+//! The eye: where it stands, where it looks, and the rays through the pixels.
+
+use glam::{DMat4, DVec3, DVec4};
+use serde::{Deserialize, Serialize};
+
+use crate::heightfield::HeightField;
+
+/// Distance of the near plane in world units. The projection has no far plane and its depth is reversed
+/// (near 1, far 0), so that a small value costs no precision: depth is `NEAR` / view depth.
+pub const NEAR: f64 = 1.0 / (1 << 20) as f64;
+
+/// Largest pitch the controls reach, degrees. The basis is well defined beyond it, too.
+pub const MAX_PITCH: f64 = 89.9;
+
+/// A perspective camera without roll. Angles instead of a target: they stay well defined looking straight down.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Camera {
+    /// World position.
+    pub eye: DVec3,
+    /// Compass direction in degrees, clockwise from north (−z).
+    #[serde(default)]
+    pub yaw: f64,
+    /// Degrees above the horizon, −90 to 90.
+    #[serde(default)]
+    pub pitch: f64,
+    /// Vertical field of view in degrees.
+    #[serde(default = "Camera::default_fov")]
+    pub fov: f64,
+}
+
+/// The camera's orthonormal basis, world space, f64.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Basis {
+    /// Where the camera looks.
+    pub forward: DVec3,
+    /// To the right of the picture.
+    pub right: DVec3,
+    /// To the top of the picture.
+    pub up: DVec3,
+}
+
+/// A ray in world space, f64. `direction` has a view depth of 1, so a parameter along it is a view depth.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ray {
+    /// Start.
+    pub origin: DVec3,
+    /// Direction, not normalised.
+    pub direction: DVec3,
+}
+
+impl Camera {
+    /// Vertical field of view where none is given, degrees.
+    pub const DEFAULT_FOV: f64 = 60.0;
+
+    fn default_fov() -> f64 {
+        Self::DEFAULT_FOV
+    }
+
+    /// The camera at `eye` that looks at `target`. Looking straight down, north is up; `eye` = `target` looks north.
+    pub fn look_at(eye: DVec3, target: DVec3, fov: f64) -> Self {
+        let d = target - eye;
+        let horizontal = d.x.hypot(d.z);
+        let yaw = if horizontal > 0.0 { d.x.atan2(-d.z).to_degrees() } else { 0.0 };
+        let pitch = if d == DVec3::ZERO { 0.0 } else { d.y.atan2(horizontal).to_degrees() };
+        Self { eye, yaw, pitch, fov }
+    }
+
+    /// The basis vectors.
+    pub fn basis(&self) -> Basis {
+        let (sin_yaw, cos_yaw) = self.yaw.to_radians().sin_cos();
+        let (sin_pitch, cos_pitch) = self.pitch.to_radians().sin_cos();
+        let forward = DVec3::new(sin_yaw * cos_pitch, sin_pitch, -cos_yaw * cos_pitch);
+        let right = DVec3::new(cos_yaw, 0.0, sin_yaw);
+        Basis { forward, right, up: right.cross(forward) }
+    }
+
+    /// Half the picture's height at view depth 1.
+    pub fn half_height(&self) -> f64 {
+        (self.fov.to_radians() * 0.5).tan()
+    }
+
+    /// The size of a pixel at view depth 1, for a picture `height` pixels high.
+    pub fn pixel_size(&self, height: u32) -> f64 {
+        2.0 * self.half_height() / f64::from(height.max(1))
+    }
+
+    /// The ray through the picture's point (`x`, `y`) in pixels from its upper left corner; pixel centres are at +0.5.
+    pub fn ray(&self, x: f64, y: f64, size: [u32; 2]) -> Ray {
+        let basis = self.basis();
+        let pixel = self.pixel_size(size[1]);
+        let direction = basis.forward + basis.right * ((x - f64::from(size[0]) * 0.5) * pixel)
+            - basis.up * ((y - f64::from(size[1]) * 0.5) * pixel);
+        Ray { origin: self.eye, direction }
+    }
+
+    /// Projection times view: reversed depth, infinite far plane.
+    pub fn clip_from_world(&self, size: [u32; 2]) -> DMat4 {
+        let Basis { forward, right, up } = self.basis();
+        let y_scale = 1.0 / self.half_height();
+        let x_scale = y_scale * f64::from(size[1].max(1)) / f64::from(size[0].max(1));
+        let row = |axis: DVec3, scale: f64| DVec4::new(axis.x, axis.y, axis.z, -axis.dot(self.eye)) * scale;
+        DMat4::from_cols(row(right, x_scale), row(up, y_scale), DVec4::new(0.0, 0.0, 0.0, NEAR), row(forward, 1.0))
+            .transpose()
+    }
+}
+
+/// The five views of every table, and the start view.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum NamedView {
+    /// The view a terrain opens with: from above its southern edge over all of it.
+    Start,
+    /// From above a corner, down over the middle.
+    Over,
+    /// From outside and low, along the surface.
+    Graze,
+    /// From just above the ground of the lowest place, along the valley.
+    Valley,
+    /// Straight down.
+    Down,
+    /// From the rim, level, the horizon in the middle of the picture.
+    Horizon,
+}
+
+impl NamedView {
+    /// The five views that every table reports.
+    pub const MEASURED: [Self; 5] = [Self::Over, Self::Graze, Self::Valley, Self::Down, Self::Horizon];
+
+    /// The name used on the command line and in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Start => "start",
+            Self::Over => "over",
+            Self::Graze => "graze",
+            Self::Valley => "valley",
+            Self::Down => "down",
+            Self::Horizon => "horizon",
+        }
+    }
+
+    /// The camera of this view over `map` in a box of the size `extent` (world units).
+    pub fn camera(self, map: &HeightField, extent: DVec3) -> Camera {
+        let DVec3 { x: sx, y: sy, z: sz } = extent;
+        let fov = Camera::DEFAULT_FOV;
+        let middle = DVec3::new(sx * 0.5, sy * 0.5, sz * 0.5);
+        let over_ground =
+            |x: f64, z: f64, clearance: f64| DVec3::new(x, sy * map.surface_height(x / sx, z / sz) + clearance, z);
+        match self {
+            Self::Start => {
+                let eye = DVec3::new(sx * 0.66, sy * 1.1 + 0.17 * sz, sz * 1.0);
+                Camera::look_at(eye, DVec3::new(sx * 0.42, sy * 0.3, sz * 0.36), fov)
+            }
+            Self::Over => Camera::look_at(DVec3::new(-0.15 * sx, sy + 0.45, -0.15 * sz), middle, fov),
+            Self::Graze => {
+                let eye = DVec3::new(-0.06, sy * 1.08 + 0.01, sz * 0.42);
+                Camera::look_at(eye, DVec3::new(sx * 0.8, sy * 0.35, sz * 0.55), fov)
+            }
+            Self::Valley => {
+                let (u, v) = map.lowest_interior();
+                let eye = over_ground(u * sx, v * sz, 0.04 * sy + 0.002);
+                Camera { eye, yaw: open_direction(map, extent, eye), pitch: 0.0, fov }
+            }
+            Self::Down => {
+                Camera { eye: DVec3::new(middle.x, sy + 0.75 * sx.max(sz), middle.z), yaw: 0.0, pitch: -90.0, fov }
+            }
+            Self::Horizon => {
+                let eye = over_ground(sx * 0.03, sz * 0.04, 0.12 * sy + 0.002);
+                Camera::look_at(eye, DVec3::new(sx, eye.y, sz * 0.95), fov)
+            }
+        }
+    }
+}
+
+/// The compass direction in which the ground stays below `eye` the longest, degrees.
+fn open_direction(map: &HeightField, extent: DVec3, eye: DVec3) -> f64 {
+    const STEP: f64 = 1.0 / 256.0;
+    let reach = |yaw: f64| {
+        let (sin, cos) = yaw.to_radians().sin_cos();
+        let blocked = |steps: u32| {
+            let (x, z) = (eye.x + sin * STEP * f64::from(steps), eye.z - cos * STEP * f64::from(steps));
+            let outside = x < 0.0 || z < 0.0 || x > extent.x || z > extent.z;
+            outside || map.surface_height(x / extent.x, z / extent.z) * extent.y > eye.y
+        };
+        (1..512).find(|&steps| blocked(steps)).unwrap_or(512)
+    };
+    let directions = (0..32).map(|index| f64::from(index) * 11.25);
+    directions.fold((0, 0.0), |best, yaw| if reach(yaw) > best.0 { (reach(yaw), yaw) } else { best }).1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The matrix and the pixel rays are derived apart; a picture is only right when they agree.
+    #[test]
+    fn a_point_on_a_pixels_ray_projects_onto_that_pixel() {
+        let size = [640, 400];
+        for (yaw, pitch) in [(0.0, 0.0), (137.0, -35.0), (270.0, -90.0), (-20.0, 60.0)] {
+            let camera = Camera { eye: DVec3::new(3.0, -1.0, 0.5), yaw, pitch, fov: 47.0 };
+            for (x, y) in [(0.5, 0.5), (320.0, 200.0), (639.5, 17.0)] {
+                let ray = camera.ray(x, y, size);
+                let depth = 7.0;
+                let clip = camera.clip_from_world(size) * (ray.origin + ray.direction * depth).extend(1.0);
+                let ndc = clip / clip.w;
+                assert!((clip.w - depth).abs() < 1e-9);
+                assert!(((ndc.x + 1.0) * 0.5 * 640.0 - x).abs() < 1e-6, "x of {camera:?}");
+                assert!(((1.0 - ndc.y) * 0.5 * 400.0 - y).abs() < 1e-6, "y of {camera:?}");
+                assert!((ndc.z - NEAR / depth).abs() < 1e-12);
+            }
+        }
+    }
+
+    #[test]
+    fn look_at_looks_at_the_target() {
+        for target in [DVec3::new(1.0, 2.0, 3.0), DVec3::new(0.0, -5.0, 0.0), DVec3::new(-4.0, 0.0, -0.1)] {
+            let eye = DVec3::new(0.0, 1.0, 0.0);
+            let forward = Camera::look_at(eye, target, 60.0).basis().forward;
+            assert!((forward - (target - eye).normalize()).length() < 1e-12, "{target}");
+        }
+        let down = Camera::look_at(DVec3::Y, DVec3::ZERO, 60.0).basis();
+        assert!((down.up - DVec3::NEG_Z).length() < 1e-12, "north is up when looking straight down");
+    }
+}

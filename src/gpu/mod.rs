@@ -1,0 +1,186 @@
+//! The device and what it can do, targets and readback, timing, shader composition.
+
+mod readback;
+mod shaders;
+mod target;
+mod timing;
+
+use std::fmt;
+use std::sync::{Arc, Mutex, PoisonError};
+
+pub(crate) use readback::map_and_wait;
+pub use readback::{ReadbackError, read_texture};
+pub use shaders::{ShaderError, ShaderSources};
+pub(crate) use target::sized_texture;
+pub use target::{COLOR_FORMAT, DEPTH_CLEAR, DEPTH_COMPARE, DEPTH_FORMAT, PROBE_FORMAT, Target};
+pub use timing::FrameTimer;
+
+/// Environment variable that narrows the choice of adapter: `cpu` takes a software driver, anything else is matched
+/// against the adapter's name. wgpu's own `WGPU_*` variables are honoured besides.
+pub const ADAPTER_VARIABLE: &str = "RELIEF_ADAPTER";
+
+/// What a device offers beyond the baseline. Asked once, here; nothing in it is required.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Capabilities {
+    /// Frame times come from the GPU's clock rather than from the wall.
+    pub timestamps: bool,
+    /// `R32Float` heights can be read through a linear filter (`HeightFilter::HardwareLinear`).
+    pub filterable_float32: bool,
+    /// Largest side of a texture.
+    pub max_texture: u32,
+}
+
+/// Why there is no device.
+#[derive(Debug, thiserror::Error)]
+pub enum GpuError {
+    /// No adapter at all, or none that the choice allows.
+    #[error(
+        "no usable GPU adapter was found{}\n  Relief draws with Vulkan, Metal or Direct3D 12 and no driver for any of them answered\n  \
+         install a Vulkan driver: `apt-get install mesa-vulkan-drivers` (Debian, Ubuntu), `dnf install mesa-vulkan-drivers` \
+         (Fedora), `pacman -S vulkan-swrast` (Arch); on NVIDIA hardware the vendor's driver brings its own",
+        .0.as_ref().map(|name| format!(" that matches {ADAPTER_VARIABLE}={name}")).unwrap_or_default()
+    )]
+    NoAdapter(Option<String>),
+    /// The adapter refused to give a device.
+    #[error(
+        "the GPU adapter {adapter} gave no device\n  {reason}\n  update its driver, or choose another adapter with {ADAPTER_VARIABLE}=NAME"
+    )]
+    NoDevice {
+        /// The adapter's name.
+        adapter: String,
+        /// What the driver said.
+        reason: String,
+    },
+}
+
+/// An adapter with its device and queue.
+pub struct Gpu {
+    /// Where surfaces are made.
+    pub instance: wgpu::Instance,
+    /// The adapter; absent for the no-op device.
+    pub adapter: Option<wgpu::Adapter>,
+    /// The device.
+    pub device: wgpu::Device,
+    /// Its queue.
+    pub queue: wgpu::Queue,
+    /// What it offers.
+    pub capabilities: Capabilities,
+    lost: Arc<Mutex<Option<String>>>,
+}
+
+impl fmt::Debug for Gpu {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Gpu").field("adapter", &self.adapter_name()).field("capabilities", &self.capabilities).finish()
+    }
+}
+
+impl Gpu {
+    /// An instance that honours wgpu's environment variables.
+    pub fn instance() -> wgpu::Instance {
+        wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env())
+    }
+
+    /// The device for drawing without a window.
+    ///
+    /// # Errors
+    /// [`GpuError`] where no adapter answers or it gives no device.
+    pub fn headless() -> Result<Arc<Self>, GpuError> {
+        pollster::block_on(Self::request(Self::instance(), None))
+    }
+
+    /// The device that can present to `surface`, which `instance` made.
+    ///
+    /// # Errors
+    /// [`GpuError`] where no adapter can present to it or gives no device.
+    pub fn for_surface(instance: wgpu::Instance, surface: &wgpu::Surface<'_>) -> Result<Arc<Self>, GpuError> {
+        pollster::block_on(Self::request(instance, Some(surface)))
+    }
+
+    /// A device that does nothing: pipelines are validated without a driver.
+    pub fn noop() -> Arc<Self> {
+        let features = wgpu::Features::FLOAT32_FILTERABLE;
+        let (device, queue) =
+            wgpu::Device::noop(&wgpu::DeviceDescriptor { required_features: features, ..Default::default() });
+        let capabilities = Capabilities {
+            timestamps: false,
+            filterable_float32: true,
+            max_texture: device.limits().max_texture_dimension_2d,
+        };
+        Arc::new(Self { instance: Self::instance(), adapter: None, device, queue, capabilities, lost: Arc::default() })
+    }
+
+    /// Names of the adapter and of its driver with the version.
+    pub fn adapter_name(&self) -> (String, String) {
+        let info = self.device.adapter_info();
+        (info.name, format!("{} {}", info.driver, info.driver_info).trim().to_owned())
+    }
+
+    /// Why the device was lost, once it is.
+    pub fn lost(&self) -> Option<String> {
+        self.lost.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    async fn request(instance: wgpu::Instance, surface: Option<&wgpu::Surface<'_>>) -> Result<Arc<Self>, GpuError> {
+        let adapter = Self::choose_adapter(&instance, surface).await?;
+        let offered = adapter.features();
+        let wanted = wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::FLOAT32_FILTERABLE;
+        let limits = adapter.limits();
+        let capabilities = Capabilities {
+            timestamps: offered.contains(wgpu::Features::TIMESTAMP_QUERY),
+            filterable_float32: offered.contains(wgpu::Features::FLOAT32_FILTERABLE),
+            max_texture: limits.max_texture_dimension_2d,
+        };
+        let (device, queue) = adapter
+            .request_device(&wgpu::DeviceDescriptor {
+                label: Some("relief"),
+                required_features: offered & wanted,
+                required_limits: limits,
+                ..Default::default()
+            })
+            .await
+            .map_err(|error| GpuError::NoDevice { adapter: adapter.get_info().name, reason: error.to_string() })?;
+        let lost: Arc<Mutex<Option<String>>> = Arc::default();
+        let note = Arc::clone(&lost);
+        device.set_device_lost_callback(move |reason, message| {
+            // Dropping the device at the end is no loss.
+            if reason != wgpu::DeviceLostReason::Destroyed {
+                *note.lock().unwrap_or_else(PoisonError::into_inner) = Some(message);
+            }
+        });
+        // wgpu's default handler panics. Out of memory and driver errors end in the log and in a dead frame instead.
+        device.on_uncaptured_error(Arc::new(|error| log::error!("the GPU reported: {error}")));
+        Ok(Arc::new(Self { instance, adapter: Some(adapter), device, queue, capabilities, lost }))
+    }
+
+    async fn choose_adapter(
+        instance: &wgpu::Instance,
+        surface: Option<&wgpu::Surface<'_>>,
+    ) -> Result<wgpu::Adapter, GpuError> {
+        let choice = std::env::var(ADAPTER_VARIABLE).ok().filter(|name| !name.is_empty());
+        if let Some(choice) = choice {
+            let wanted = choice.to_lowercase();
+            return instance
+                .enumerate_adapters(wgpu::Backends::PRIMARY)
+                .await
+                .into_iter()
+                .find(|adapter| {
+                    let info = adapter.get_info();
+                    let named = if wanted == "cpu" {
+                        info.device_type == wgpu::DeviceType::Cpu
+                    } else {
+                        info.name.to_lowercase().contains(&wanted)
+                    };
+                    named && surface.is_none_or(|surface| adapter.is_surface_supported(surface))
+                })
+                .ok_or(GpuError::NoAdapter(Some(choice)));
+        }
+        instance
+            .request_adapter(&wgpu::RequestAdapterOptions {
+                power_preference: wgpu::PowerPreference::HighPerformance,
+                compatible_surface: surface,
+                ..Default::default()
+            })
+            .await
+            .map_err(|_| GpuError::NoAdapter(None))
+    }
+}

@@ -1,0 +1,262 @@
+//! The height map in memory: normalised samples and what they stand for.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// Height of the box over its longer horizontal side where a map does not say what it shows.
+const PLAIN_HEIGHT_SCALE: f64 = 0.25;
+
+/// Why samples are not a height map.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum HeightFieldError {
+    /// No cell: a surface needs two samples each way.
+    #[error(
+        "a height map of {width}×{height} samples has no surface: it needs at least 2×2; \
+         use a larger one"
+    )]
+    TooSmall {
+        /// Columns.
+        width: u32,
+        /// Rows.
+        height: u32,
+    },
+    /// Width times height is not the number of samples.
+    #[error("{width}×{height} samples were announced, but there are {count}; give width × height of them")]
+    WrongCount {
+        /// Columns.
+        width: u32,
+        /// Rows.
+        height: u32,
+        /// Samples there are.
+        count: usize,
+    },
+    /// A sample is NaN or infinite.
+    #[error("the sample in column {column}, row {row} is not a finite number; fill gaps in the data first")]
+    NotFinite {
+        /// Column of the first such sample.
+        column: u32,
+        /// Its row.
+        row: u32,
+    },
+}
+
+/// A height map: `width` × `height` samples, row 0 in the north, normalised so that the lowest is 0 and the highest 1.
+///
+/// Samples stand on the corners of a grid of (width − 1) × (height − 1) cells; the surface between them is their
+/// bilinear interpolation.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HeightField {
+    /// Columns, at least 2.
+    width: u32,
+    /// Rows, at least 2.
+    height: u32,
+    samples: Vec<f32>,
+    /// What the normalised heights 0 and 1 stand for, in the source's own unit (metres, where it has one).
+    range: [f64; 2],
+    /// Horizontal extent west–east and north–south in metres, where it is known.
+    extent_metres: Option<[f64; 2]>,
+    /// Factor on the true proportion, 1 unless the map asks for another.
+    exaggeration: f64,
+}
+
+impl HeightField {
+    /// Normalises `raw` (row by row, north first) to 0..1. A flat map becomes all 0; its range keeps the one value.
+    pub fn from_raw<T>(width: u32, height: u32, raw: &[T]) -> Result<Self, HeightFieldError>
+    where
+        T: Copy + Into<f64> + Sync,
+    {
+        if width < 2 || height < 2 {
+            return Err(HeightFieldError::TooSmall { width, height });
+        }
+        if raw.len() as u64 != u64::from(width) * u64::from(height) {
+            return Err(HeightFieldError::WrongCount { width, height, count: raw.len() });
+        }
+        if let Some(index) = raw.par_iter().position_first(|&value| !value.into().is_finite()) {
+            let (column, row) = (index % width as usize, index / width as usize);
+            return Err(HeightFieldError::NotFinite { column: column as u32, row: row as u32 });
+        }
+        let (low, high) = raw
+            .par_iter()
+            .map(|&value| (value.into(), value.into()))
+            .reduce(|| (f64::INFINITY, f64::NEG_INFINITY), |a: (f64, f64), b: (f64, f64)| (a.0.min(b.0), a.1.max(b.1)));
+        // Halved, because the span of two finite numbers need not be finite.
+        let half_span = high * 0.5 - low * 0.5;
+        let normalise = |&value: &T| {
+            let above = value.into() * 0.5 - low * 0.5;
+            if half_span > 0.0 { (above / half_span) as f32 } else { 0.0 }
+        };
+        let samples = raw.par_iter().map(normalise).collect();
+        Ok(Self { width, height, samples, range: [low, high], extent_metres: None, exaggeration: 1.0 })
+    }
+
+    /// The map with the horizontal extent west–east and north–south, in metres between the outermost samples.
+    #[must_use]
+    pub fn with_extent_metres(mut self, extent: Option<[f64; 2]>) -> Self {
+        self.extent_metres = extent;
+        self
+    }
+
+    /// The map with other meanings for the normalised heights 0 and 1.
+    #[must_use]
+    pub fn with_range(mut self, range: [f64; 2]) -> Self {
+        self.range = range;
+        self
+    }
+
+    /// The map with a factor on its natural height scale; 1 is the true proportion.
+    #[must_use]
+    pub fn with_exaggeration(mut self, factor: f64) -> Self {
+        self.exaggeration = factor;
+        self
+    }
+
+    /// Columns, at least 2.
+    pub fn width(&self) -> u32 {
+        self.width
+    }
+
+    /// Rows, at least 2.
+    pub fn height(&self) -> u32 {
+        self.height
+    }
+
+    /// Columns and rows of cells: one fewer each than of samples.
+    pub fn cells(&self) -> [u32; 2] {
+        [self.width - 1, self.height - 1]
+    }
+
+    /// All samples, row by row, north first.
+    pub fn samples(&self) -> &[f32] {
+        &self.samples
+    }
+
+    /// For edits that keep every sample finite and in 0..1.
+    pub(super) fn samples_mut(&mut self) -> &mut [f32] {
+        &mut self.samples
+    }
+
+    /// The sample in a column and row; beyond the border, the nearest one.
+    pub fn sample(&self, column: u32, row: u32) -> f32 {
+        let (column, row) = (column.min(self.width - 1), row.min(self.height - 1));
+        self.samples[row as usize * self.width as usize + column as usize]
+    }
+
+    /// What the normalised heights 0 and 1 stand for, in the source's own unit (metres, where it has one).
+    pub fn range(&self) -> [f64; 2] {
+        self.range
+    }
+
+    /// Horizontal extent west–east and north–south in metres, where it is known.
+    pub fn extent_metres(&self) -> Option<[f64; 2]> {
+        self.extent_metres
+    }
+
+    /// Normalised height of the surface at `u` west–east and `v` north–south, each 0..1 over the map and clamped to it.
+    pub fn surface_height(&self, u: f64, v: f64) -> f64 {
+        bilinear(&self.samples, self.width, self.height, u, v)
+    }
+
+    /// `u` and `v` of the lowest sample of the inner half of the map (a quarter of each side away from its border);
+    /// the middle where no sample is that far inside.
+    pub fn lowest_interior(&self) -> (f64, f64) {
+        let inner = |count: u32| {
+            let cells = count - 1;
+            cells.div_ceil(4)..=(u64::from(cells) * 3 / 4) as u32
+        };
+        let lowest = inner(self.height)
+            .flat_map(|row| inner(self.width).map(move |column| (column, row)))
+            .min_by(|&(a, b), &(c, d)| self.sample(a, b).total_cmp(&self.sample(c, d)));
+        let [columns, rows] = self.cells().map(f64::from);
+        lowest.map_or((0.5, 0.5), |(column, row)| (f64::from(column) / columns, f64::from(row) / rows))
+    }
+
+    /// Height of the box over its longer horizontal side: the true proportion times the map's exaggeration where the
+    /// extent is known (the range then counts as metres), else 0.25.
+    pub fn natural_height_scale(&self) -> f64 {
+        match self.extent_metres {
+            Some([x, z]) => (self.range[1] - self.range[0]) / x.max(z) * self.exaggeration,
+            None => PLAIN_HEIGHT_SCALE * self.exaggeration,
+        }
+    }
+
+    /// Size of the box in world units: the longer horizontal side is 1. `height_scale` `None` is the natural one.
+    pub fn box_size(&self, height_scale: Option<f64>) -> DVec3 {
+        let [x, z] = self.extent_metres.unwrap_or(self.cells().map(f64::from));
+        let longer = x.max(z);
+        DVec3::new(x / longer, height_scale.unwrap_or_else(|| self.natural_height_scale()), z / longer)
+    }
+}
+
+/// Bilinear interpolation in f64 of a grid whose samples stand on the corners; `u` and `v` are clamped to 0..1.
+pub(super) fn bilinear(samples: &[f32], width: u32, height: u32, u: f64, v: f64) -> f64 {
+    let split = |t: f64, count: u32| {
+        let position = t.clamp(0.0, 1.0) * f64::from(count - 1);
+        let cell = (position as u32).min(count - 2);
+        (cell as usize, position - f64::from(cell))
+    };
+    let ((x, fx), (y, fy)) = (split(u, width), split(v, height));
+    let at = |x: usize, y: usize| f64::from(samples[y * width as usize + x]);
+    let mix = |a: f64, b: f64, t: f64| a * (1.0 - t) + b * t;
+    mix(mix(at(x, y), at(x + 1, y), fx), mix(at(x, y + 1), at(x + 1, y + 1), fx), fy)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn samples_are_normalised_and_the_range_is_kept() {
+        let field = HeightField::from_raw(3, 2, &[10.0, 20.0, 30.0, 15.0, 25.0, 10.0]).unwrap();
+        assert_eq!(field.samples(), [0.0, 0.5, 1.0, 0.25, 0.75, 0.0]);
+        assert_eq!(field.range(), [10.0, 30.0]);
+        assert_eq!(field.sample(9, 9), 0.0, "clamped to the last sample");
+        let huge = HeightField::from_raw(2, 2, &[f64::MIN, 0.0, f64::MAX, 0.0]).unwrap();
+        assert_eq!(huge.samples(), [0.0, 0.5, 1.0, 0.5], "a span beyond f64 does not overflow");
+    }
+
+    #[test]
+    fn a_flat_map_is_all_zero() {
+        let field = HeightField::from_raw(2, 2, &[7u16; 4]).unwrap();
+        assert_eq!(field.samples(), [0.0; 4]);
+        assert_eq!(field.range(), [7.0, 7.0]);
+        assert_eq!(field.with_extent_metres(Some([5.0, 5.0])).natural_height_scale(), 0.0);
+    }
+
+    #[test]
+    fn what_is_no_height_map_is_refused() {
+        let small = HeightField::from_raw(1, 4, &[0.0; 4]);
+        assert_eq!(small, Err(HeightFieldError::TooSmall { width: 1, height: 4 }));
+        let count = HeightField::from_raw(2, 2, &[0.0; 5]);
+        assert_eq!(count, Err(HeightFieldError::WrongCount { width: 2, height: 2, count: 5 }));
+        let nan = HeightField::from_raw(2, 2, &[0.0, 1.0, f64::NAN, 2.0]);
+        assert_eq!(nan, Err(HeightFieldError::NotFinite { column: 0, row: 1 }));
+    }
+
+    #[test]
+    fn the_surface_is_bilinear_and_clamped() {
+        let field = HeightField::from_raw(3, 2, &[0.0, 4.0, 0.0, 2.0, 2.0, 2.0]).unwrap();
+        assert_eq!(field.surface_height(0.5, 0.0), 1.0);
+        assert_eq!(field.surface_height(0.25, 0.5), 0.5);
+        assert_eq!(field.surface_height(-3.0, 7.0), 0.5);
+        assert_eq!(field.surface_height(1.0, 1.0), 0.5);
+    }
+
+    #[test]
+    fn the_box_keeps_the_proportions() {
+        let field = HeightField::from_raw(5, 3, &(0..15).map(f64::from).collect::<Vec<_>>()).unwrap();
+        assert_eq!(field.box_size(None), DVec3::new(1.0, 0.25, 0.5), "plain image: from the cells");
+        let placed = field.with_range([100.0, 400.0]).with_extent_metres(Some([500.0, 1000.0]));
+        assert_eq!(placed.box_size(None), DVec3::new(0.5, 0.3, 1.0), "placed on the ground: true proportion");
+        assert_eq!(placed.box_size(Some(2.0)).y, 2.0);
+        assert_eq!(placed.with_exaggeration(2.0).natural_height_scale(), 0.6);
+    }
+
+    #[test]
+    fn the_lowest_place_is_sought_inside() {
+        let mut raw = vec![5.0; 81];
+        raw[0] = 0.0;
+        raw[3 * 9 + 6] = 1.0;
+        assert_eq!(HeightField::from_raw(9, 9, &raw).unwrap().lowest_interior(), (0.75, 0.375));
+        assert_eq!(HeightField::from_raw(2, 2, &[0.0; 4]).unwrap().lowest_interior(), (0.5, 0.5));
+    }
+}

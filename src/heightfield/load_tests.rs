@@ -1,0 +1,185 @@
+//! Tests of opening height maps.
+
+use std::cell::Cell;
+use std::fs;
+
+use image::{DynamicImage, ImageBuffer, Luma, Rgb};
+use tempfile::TempDir;
+
+use super::super::save;
+use super::*;
+
+fn folder() -> TempDir {
+    tempfile::tempdir().unwrap()
+}
+
+/// Writes a 16-bit map of noise, so that it does not compress to nothing.
+fn write_map(folder: &TempDir, width: u32, height: u32) -> PathBuf {
+    let path = folder.path().join("map.png");
+    let raw: Vec<u16> = (0..width * height).map(|i| (i.wrapping_mul(2_654_435_761) >> 16) as u16).collect();
+    save::save_raw_png16(width, height, &raw, &path).unwrap();
+    path
+}
+
+fn message(path: &Path) -> String {
+    load(path).unwrap_err().to_string()
+}
+
+#[test]
+fn the_shipped_grand_canyon_opens_at_its_true_proportion() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/grand-canyon.png");
+    let loaded = load(&path).unwrap();
+    assert_eq!(loaded.warnings, Vec::<String>::new());
+    assert_eq!(loaded.title.as_deref(), Some("Grand Canyon"));
+    assert_eq!(loaded.sample_type, "u16");
+    let field = loaded.field;
+    assert_eq!((field.width(), field.height()), (512, 512));
+    assert_eq!(field.range(), [479.0, 2347.0]);
+    let size = field.box_size(None);
+    assert!((size.y - 1868.0 / 31566.9).abs() < 1e-12, "{size}");
+    assert!(size.x == 1.0 && (size.z - 31428.8 / 31566.9).abs() < 1e-12, "{size}");
+    let metre = |h: f32| 479.0 + f64::from(h) * 1868.0;
+    let worst = field.samples().iter().map(|&h| (metre(h) - metre(h).round()).abs()).fold(0.0, f64::max);
+    assert!(worst < 1e-3, "every sample is a whole metre, but one is {worst} off");
+    assert!(loaded.sidecar.unwrap().licence.is_some());
+}
+
+#[test]
+fn eight_and_sixteen_bits_square_or_not_open_with_their_heights() {
+    let folder = folder();
+    let path = folder.path().join("small.png");
+    ImageBuffer::<Luma<u8>, _>::from_raw(3, 2, vec![10u8, 20, 30, 40, 50, 60]).unwrap().save(&path).unwrap();
+    let loaded = load(&path).unwrap();
+    assert_eq!((loaded.sample_type, loaded.field.range()), ("u8", [10.0, 60.0]));
+    assert_eq!(loaded.field.samples()[1], 0.2);
+    assert!(loaded.warnings.is_empty() && loaded.sidecar.is_none());
+
+    save::save_raw_png16(2, 2, &[0, 65535, 1, 2], &path).unwrap();
+    let loaded = load(&path).unwrap();
+    assert_eq!((loaded.sample_type, loaded.field.range()), ("u16", [0.0, 65535.0]));
+    assert_eq!(loaded.field.samples(), [0.0, 1.0, (1.0 / 65535.0) as f32, (2.0 / 65535.0) as f32]);
+}
+
+#[test]
+fn a_saved_map_comes_back() {
+    let folder = folder();
+    let field = load(&write_map(&folder, 37, 20)).unwrap().field;
+    let path = folder.path().join("copy.png");
+    save::save_png16(&field, &path).unwrap();
+    let copy = load(&path).unwrap().field;
+    let worst = field.samples().iter().zip(copy.samples()).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+    assert!(worst <= 0.51 / 65535.0, "{worst}");
+    let missing = save::save_png16(&field, &folder.path().join("none/copy.png")).unwrap_err().to_string();
+    assert!(missing.contains("copy.png") && missing.contains("folder"), "{missing}");
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2, "nothing half-written is left");
+}
+
+#[test]
+fn colour_is_converted_with_a_warning() {
+    let folder = folder();
+    let path = folder.path().join("colour.png");
+    let picture = ImageBuffer::from_fn(4, 3, |x, _| Rgb([x as u8 * 60, 0, 200]));
+    DynamicImage::ImageRgb8(picture).save(&path).unwrap();
+    let loaded = load(&path).unwrap();
+    assert!(loaded.warnings.len() == 1 && loaded.warnings[0].contains("luminance"), "{:?}", loaded.warnings);
+    assert!(loaded.field.sample(3, 0) > loaded.field.sample(1, 0));
+}
+
+#[test]
+fn each_bad_file_says_what_is_wrong_with_it() {
+    let folder = folder();
+    let good = fs::read(write_map(&folder, 64, 64)).unwrap();
+    let path = folder.path().join("bad.png");
+    let with = |bytes: &[u8]| {
+        fs::write(&path, bytes).unwrap();
+        message(&path)
+    };
+    let cases = [
+        (with(b""), "is empty"),
+        (with(&good[..good.len() / 2]), "truncated"),
+        (with(&good[..20]), "truncated"),
+        (with(&good[..5]), "truncated"),
+        (with(b"\xff\xd8\xff\xe0rest"), "looks like a JPEG"),
+        (with(b"II*\0rest"), "looks like a TIFF"),
+        (with(b"hello"), "looks like a text file"),
+        (message(&folder.path().join("absent.png")), "no such file"),
+        (message(folder.path()), "is a directory"),
+    ];
+    for (message, expected) in cases {
+        assert!(message.contains(expected), "{message}");
+    }
+    let mut damaged = good.clone();
+    damaged[80..120].fill(0xa5);
+    assert!(with(&damaged).contains("damaged"), "{}", with(&damaged));
+
+    ImageBuffer::<Luma<u8>, _>::from_raw(1, 5, vec![0u8; 5]).unwrap().save(&path).unwrap();
+    assert!(message(&path).contains("1×5 samples has no surface"), "{}", message(&path));
+}
+
+#[test]
+fn absurd_dimensions_are_refused_before_anything_is_allocated() {
+    let folder = folder();
+    let mut bytes = fs::read(write_map(&folder, 4, 4)).unwrap();
+    let path = folder.path().join("absurd.png");
+    bytes[16..24].copy_from_slice(&[0x7f, 0xff, 0xff, 0xff, 0x7f, 0xff, 0xff, 0xff]);
+    fs::write(&path, &bytes).unwrap();
+    assert!(message(&path).contains("2147483647×2147483647"), "{}", message(&path));
+    bytes[16..24].copy_from_slice(&[0, 0, 0x80, 0, 0, 0, 0x80, 0]);
+    fs::write(&path, &bytes).unwrap();
+    assert!(message(&path).contains("truncated"), "a hundred bytes cannot hold 2 GiB: {}", message(&path));
+}
+
+#[cfg(unix)]
+#[test]
+fn a_file_that_may_not_be_read_says_so() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = folder();
+    let path = write_map(&folder, 4, 4);
+    fs::set_permissions(&path, fs::Permissions::from_mode(0o000)).unwrap();
+    if File::open(&path).is_err() {
+        assert!(message(&path).contains("permission denied"), "{}", message(&path));
+    }
+}
+
+#[test]
+fn a_sidecar_places_the_map_and_its_faults_are_only_warnings() {
+    let folder = folder();
+    let map = write_map(&folder, 11, 6);
+    let open = |text: &str| {
+        fs::write(folder.path().join("map.toml"), text).unwrap();
+        load(&map).unwrap()
+    };
+    let placed = open("metres_per_sample = 10.0\nlowest_metre = 100\nhighest_metre = 150\nvertical_exaggeration = 2.0");
+    assert!(placed.warnings.is_empty(), "{:?}", placed.warnings);
+    assert_eq!(placed.field.extent_metres(), Some([100.0, 50.0]));
+    assert_eq!(placed.field.box_size(None), glam::DVec3::new(1.0, 1.0, 0.5));
+
+    let misspelt = open("titel = \"A\"\nextent_metres = [30.0, 60.0]\nlowest_metre = 0\nhighest_metre = 6");
+    assert!(misspelt.warnings.len() == 1, "{:?}", misspelt.warnings);
+    assert!(misspelt.warnings[0].contains("titel") && misspelt.warnings[0].contains("\"title\""));
+    assert_eq!(misspelt.field.natural_height_scale(), 0.1, "the other keys hold");
+
+    for broken in ["title = ", "extent_metres = \"wide\""] {
+        let broken = open(broken);
+        assert!(broken.warnings.len() == 1 && broken.warnings[0].contains("map.toml"), "{:?}", broken.warnings);
+        assert!(broken.sidecar.is_none() && broken.field.extent_metres().is_none());
+    }
+    for nonsense in ["extent_metres = [0.0, 1.0]", "lowest_metre = 3", "lowest_metre = 3\nhighest_metre = 1"] {
+        let nonsense = open(nonsense);
+        assert!(nonsense.warnings.len() == 1 && nonsense.warnings[0].contains("ignored"), "{:?}", nonsense.warnings);
+    }
+}
+
+#[test]
+fn progress_grows_to_one() {
+    let folder = folder();
+    let path = write_map(&folder, 600, 500);
+    let (last, calls) = (Cell::new(0.0), Cell::new(0));
+    load_with_progress(&path, &|share| {
+        assert!(share >= last.get());
+        last.set(share);
+        calls.set(calls.get() + 1);
+    })
+    .unwrap();
+    assert!(last.get() == 1.0 && calls.get() > 2, "{} after {}", last.get(), calls.get());
+}

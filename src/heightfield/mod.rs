@@ -1,0 +1,21 @@
+//! The height map itself: loading, generating, the maximum pyramid, craters, and the f64 reference. No GPU, no window.
+
+pub mod colour;
+mod crater;
+mod edited;
+mod field;
+pub mod generate;
+pub mod load;
+mod pyramid;
+pub mod reference;
+pub mod save;
+mod sidecar;
+#[cfg(test)]
+mod testing;
+
+pub use crater::{Crater, CraterLayer};
+pub use edited::{Edit, EditedTerrain, SampleRect};
+pub use field::{HeightField, HeightFieldError};
+pub use load::{LoadError, Loaded};
+pub use pyramid::{MaxPyramid, NodeRect, PyramidLevel};
+pub use sidecar::Sidecar;

@@ -1,0 +1,143 @@
+//! The sidecar: a TOML file beside a height map that says what it shows.
+
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+/// What a height map shows: the file with the map's stem and the ending `.toml`. Every key may be left out.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Sidecar {
+    /// Name of the terrain.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub title: Option<String>,
+    /// Metres on the ground between the outermost samples, west–east and north–south.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub extent_metres: Option<[f64; 2]>,
+    /// What the map's lowest sample stands for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lowest_metre: Option<f64>,
+    /// What the map's highest sample stands for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub highest_metre: Option<f64>,
+    /// Coordinate reference system, as in "EPSG:3857".
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub crs: Option<String>,
+    /// Metres on the ground from one sample to the next; gives the extent where `extent_metres` is absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub metres_per_sample: Option<f64>,
+    /// Where the elevation comes from.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub source: Option<String>,
+    /// Under which terms.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub licence: Option<String>,
+    /// Factor on the true proportion.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub vertical_exaggeration: Option<f64>,
+}
+
+impl Sidecar {
+    /// The keys that a sidecar may have.
+    pub const KEYS: [&'static str; 9] = [
+        "title",
+        "extent_metres",
+        "lowest_metre",
+        "highest_metre",
+        "crs",
+        "metres_per_sample",
+        "source",
+        "licence",
+        "vertical_exaggeration",
+    ];
+
+    /// Where the sidecar of `map` is, if it has one.
+    pub fn path_of(map: &Path) -> PathBuf {
+        map.with_extension("toml")
+    }
+
+    /// Reads the sidecar of `map`. Whatever is wrong with it becomes a warning: the map opens all the same, and what
+    /// is right in the sidecar holds.
+    pub(super) fn read_for(map: &Path, warnings: &mut Vec<String>) -> Option<Self> {
+        let path = Self::path_of(map);
+        let text = match std::fs::read_to_string(&path) {
+            Ok(text) => text,
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => return None,
+            Err(error) => {
+                warnings.push(format!("{} was ignored: {error}; make it a readable text file", path.display()));
+                return None;
+            }
+        };
+        Self::parse(&text, &path, warnings)
+    }
+
+    /// The sidecar in `text`, which came from `path`; what is wrong with it becomes a warning.
+    pub(super) fn parse(text: &str, path: &Path, warnings: &mut Vec<String>) -> Option<Self> {
+        let parsed = text.parse::<toml::Table>().and_then(|mut table| {
+            table.retain(|key, _| Self::is_known(key, path, warnings));
+            Self::deserialize(table)
+        });
+        match parsed {
+            Ok(mut sidecar) => {
+                sidecar.drop_what_cannot_be(path, warnings);
+                Some(sidecar)
+            }
+            Err(error) => {
+                let reason = error.to_string().trim_end().replace('\n', " ");
+                warnings.push(format!(
+                    "{} was ignored: {reason}; correct it, or delete it to open the map as a plain image",
+                    path.display()
+                ));
+                None
+            }
+        }
+    }
+
+    fn is_known(key: &str, path: &Path, warnings: &mut Vec<String>) -> bool {
+        if Self::KEYS.contains(&key) {
+            return true;
+        }
+        let nearest =
+            Self::KEYS.into_iter().max_by(|a, b| strsim::jaro_winkler(key, a).total_cmp(&strsim::jaro_winkler(key, b)));
+        let hint = nearest.map_or_else(String::new, |nearest| format!("; did you mean \"{nearest}\"?"));
+        warnings.push(format!("{}: the key \"{key}\" is unknown and was ignored{hint}", path.display()));
+        false
+    }
+
+    /// Drops numbers that no terrain can have, each with a warning.
+    fn drop_what_cannot_be(&mut self, path: &Path, warnings: &mut Vec<String>) {
+        let mut warn = |what: &str| warnings.push(format!("{}: {what}", path.display()));
+        let positive = |value: f64| value.is_finite() && value > 0.0;
+        if self.extent_metres.is_some_and(|sides| !sides.into_iter().all(positive)) {
+            warn("extent_metres was ignored: both sides must be finite and above 0");
+            self.extent_metres = None;
+        }
+        if self.metres_per_sample.is_some_and(|value| !positive(value)) {
+            warn("metres_per_sample was ignored: it must be finite and above 0");
+            self.metres_per_sample = None;
+        }
+        if self.vertical_exaggeration.is_some_and(|value| !positive(value)) {
+            warn("vertical_exaggeration was ignored: it must be finite and above 0; 1 is the true proportion");
+            self.vertical_exaggeration = None;
+        }
+        let range_is_sound = match (self.lowest_metre, self.highest_metre) {
+            (Some(low), Some(high)) => low.is_finite() && high.is_finite() && low <= high,
+            (None, None) => true,
+            _ => false,
+        };
+        if !range_is_sound {
+            warn("lowest_metre and highest_metre were ignored: give both, finite, the lowest first");
+            (self.lowest_metre, self.highest_metre) = (None, None);
+        }
+    }
+
+    /// The heights that the lowest and highest sample stand for, metres.
+    pub fn range(&self) -> Option<[f64; 2]> {
+        Some([self.lowest_metre?, self.highest_metre?])
+    }
+
+    /// The extent in metres of a map with these numbers of cells.
+    pub fn extent_of(&self, cells: [u32; 2]) -> Option<[f64; 2]> {
+        self.extent_metres.or_else(|| self.metres_per_sample.map(|step| cells.map(|count| f64::from(count) * step)))
+    }
+}

@@ -1,0 +1,52 @@
+//! Why no frame was drawn.
+
+use std::path::PathBuf;
+
+use crate::gpu::{ReadbackError, ShaderError};
+
+/// Why no frame was drawn. Whatever was on the screen stays.
+#[derive(Debug, thiserror::Error)]
+pub enum RenderError {
+    /// A shader did not compose or compile.
+    #[error("a shader does not compile\n  {0}\n  the last good one stays in use")]
+    Shader(#[from] ShaderError),
+    /// The map is larger than the adapter's textures.
+    #[error(
+        "the map has {width}×{height} samples, but this adapter's textures end at {limit}×{limit}\n  \
+         reduce the map's resolution, or use an adapter with a higher limit"
+    )]
+    TerrainTooLarge {
+        /// Columns of the map.
+        width: u32,
+        /// Rows of the map.
+        height: u32,
+        /// The adapter's limit.
+        limit: u32,
+    },
+    /// An image that the scene names (diffuse texture, skybox face) cannot be used.
+    #[error("cannot use the image {}\n  {reason}\n  choose a PNG, JPEG or WebP file that fits", path.display())]
+    Image {
+        /// The image's file.
+        path: PathBuf,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// The scene asks for something that this adapter lacks.
+    #[error("{what} is not available: it needs {needs}, which this adapter has not\n  {instead}")]
+    Unsupported {
+        /// What was asked for.
+        what: &'static str,
+        /// What it requires.
+        needs: &'static str,
+        /// What to do instead.
+        instead: &'static str,
+    },
+    /// The device was lost.
+    #[error(
+        "the GPU device was lost: {0}\n  the driver reset or removed it; start again, and update the driver if it happens often"
+    )]
+    DeviceLost(String),
+    /// Nothing could be read back.
+    #[error(transparent)]
+    Readback(#[from] ReadbackError),
+}

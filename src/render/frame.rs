@@ -1,0 +1,133 @@
+//! Bind group 0: what every pass of a frame shares. Mirrors `shaders/frame.wgsl`.
+
+use bytemuck::{Pod, Zeroable};
+use glam::{DVec3, Vec3};
+
+use crate::camera::Camera;
+use crate::gpu::Gpu;
+
+use super::cube::corner;
+
+/// Mirror of `Frame` in `frame.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(super) struct FrameUniform {
+    pub(super) clip_from_world: [[f32; 4]; 4],
+    pub(super) ray_origin: Vec3,
+    pub(super) ray_start: f32,
+    pub(super) ray_origin_right: Vec3,
+    pub(super) pixel_size: f32,
+    pub(super) ray_origin_down: Vec3,
+    pub(super) padding: f32,
+    pub(super) ray_direction: Vec3,
+    pub(super) flattening: f32,
+    pub(super) ray_direction_right: Vec3,
+    pub(super) centre_x: f32,
+    pub(super) ray_direction_down: Vec3,
+    pub(super) centre_y: f32,
+}
+
+impl FrameUniform {
+    /// The rays of `camera` through a picture of `size` pixels, begun near the terrain's box of the size `extent`.
+    pub(super) fn new(camera: &Camera, size: [u32; 2], extent: DVec3, flattening: f32) -> Self {
+        let basis = camera.basis();
+        let pixel = camera.pixel_size(size[1]);
+        let (right, down) = (basis.right * pixel, -basis.up * pixel);
+        // The depth at which the nearest corner of the box lies, if all of it lies ahead.
+        let start = (0..8)
+            .map(|index| basis.forward.dot(corner(index) * extent - camera.eye))
+            .fold(f64::INFINITY, f64::min)
+            .max(0.0);
+        Self {
+            clip_from_world: camera.clip_from_world(size).as_mat4().to_cols_array_2d(),
+            ray_origin: (camera.eye + basis.forward * start).as_vec3(),
+            ray_start: start as f32,
+            ray_origin_right: (right * start).as_vec3(),
+            pixel_size: pixel as f32,
+            ray_origin_down: (down * start).as_vec3(),
+            padding: 0.0,
+            ray_direction: basis.forward.as_vec3(),
+            flattening,
+            ray_direction_right: right.as_vec3(),
+            centre_x: size[0] as f32 * 0.5,
+            ray_direction_down: down.as_vec3(),
+            centre_y: size[1] as f32 * 0.5,
+        }
+    }
+}
+
+/// The uniform buffer of bind group 0 and its layout.
+#[derive(Debug)]
+pub(super) struct FrameBindings {
+    pub(super) layout: wgpu::BindGroupLayout,
+    pub(super) group: wgpu::BindGroup,
+    buffer: wgpu::Buffer,
+}
+
+impl FrameBindings {
+    pub(super) fn new(gpu: &Gpu) -> Self {
+        let layout = gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some("frame"),
+            entries: &[uniform_entry::<FrameUniform>(0)],
+        });
+        let buffer = uniform_buffer::<FrameUniform>(gpu, "frame");
+        let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("frame"),
+            layout: &layout,
+            entries: &[wgpu::BindGroupEntry { binding: 0, resource: buffer.as_entire_binding() }],
+        });
+        Self { layout, group, buffer }
+    }
+
+    pub(super) fn write(&self, gpu: &Gpu, frame: &FrameUniform) {
+        gpu.queue.write_buffer(&self.buffer, 0, bytemuck::bytes_of(frame));
+    }
+}
+
+/// A uniform buffer for one `T`.
+pub(super) fn uniform_buffer<T>(gpu: &Gpu, label: &str) -> wgpu::Buffer {
+    gpu.device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some(label),
+        size: size_of::<T>() as u64,
+        usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    })
+}
+
+/// The layout entry of a uniform buffer that holds a `T`.
+pub(super) fn uniform_entry<T>(binding: u32) -> wgpu::BindGroupLayoutEntry {
+    wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
+        ty: wgpu::BindingType::Buffer {
+            ty: wgpu::BufferBindingType::Uniform,
+            has_dynamic_offset: false,
+            min_binding_size: std::num::NonZeroU64::new(size_of::<T>() as u64),
+        },
+        count: None,
+    }
+}
+
+/// The layout entry of a texture that fragments read.
+pub(super) fn texture_entry(binding: u32, filterable: bool, cube: bool) -> wgpu::BindGroupLayoutEntry {
+    wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: wgpu::ShaderStages::FRAGMENT,
+        ty: wgpu::BindingType::Texture {
+            sample_type: wgpu::TextureSampleType::Float { filterable },
+            view_dimension: if cube { wgpu::TextureViewDimension::Cube } else { wgpu::TextureViewDimension::D2 },
+            multisampled: false,
+        },
+        count: None,
+    }
+}
+
+/// The layout entry of a filtering sampler.
+pub(super) fn sampler_entry(binding: u32) -> wgpu::BindGroupLayoutEntry {
+    wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: wgpu::ShaderStages::FRAGMENT,
+        ty: wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering),
+        count: None,
+    }
+}

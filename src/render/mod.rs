@@ -1,0 +1,426 @@
+//! The renderer and one file per pass, each with the stem of its shader.
+//!
+//! A frame draws the same unit cube for the terrain, its wireframe, the occluder and, last, the skybox. What is off or
+//! out of view has no pass, no texture and no instruction; the [`Ledger`] tells.
+
+mod cube;
+mod drape;
+mod error;
+mod frame;
+mod ground;
+mod heat_map;
+mod ledger;
+mod mips;
+mod occluder;
+mod pipelines;
+mod present;
+mod probe;
+mod sky_map;
+mod skybox;
+mod terrain;
+#[cfg(test)]
+mod tests;
+mod wireframe;
+
+use std::rc::Rc;
+use std::sync::Arc;
+
+use glam::{DMat4, DVec3, DVec4};
+
+use crate::camera::{Camera, NamedView};
+use crate::gpu::{DEPTH_CLEAR, FrameTimer, Gpu, Target};
+use crate::heightfield::{EditedTerrain, HeightField};
+use crate::scene::Scene;
+
+pub use error::RenderError;
+pub use heat_map::heat_map_colour;
+pub use ledger::{Ledger, TextureEntry};
+pub use probe::Probe;
+
+use cube::{Cube, clip_corners, in_view};
+use drape::Drape;
+use frame::{FrameBindings, FrameUniform};
+use ground::{Ground, GroundNeeds};
+use occluder::CubeBindings;
+use pipelines::{Built, PipelineKey, Pipelines};
+use skybox::Skybox;
+use terrain::{TerrainBindings, TerrainKey, TerrainUniform};
+
+/// Background where there is no skybox, linear light: a pale grey-blue.
+const BACKGROUND: wgpu::Color = wgpu::Color { r: 0.35, g: 0.42, b: 0.5, a: 1.0 };
+
+/// Draws scenes into targets; never sees a window.
+#[derive(Debug)]
+pub struct Renderer {
+    gpu: Arc<Gpu>,
+    pipelines: Pipelines,
+    frame: FrameBindings,
+    cube: Cube,
+    terrain: TerrainBindings,
+    occluder: CubeBindings,
+    wireframe: CubeBindings,
+    ground: Option<Ground>,
+    drape: Option<Drape>,
+    skybox: Option<Skybox>,
+    timer: FrameTimer,
+    ledger: Ledger,
+}
+
+/// One draw of the scene's render pass.
+struct Draw {
+    name: &'static str,
+    built: Rc<Built>,
+    group: wgpu::BindGroup,
+    edges: bool,
+}
+
+/// Where things are in a frame.
+struct View {
+    camera: Camera,
+    clip_from_world: DMat4,
+    /// Size of the terrain's box.
+    extent: DVec3,
+}
+
+impl Renderer {
+    /// A renderer without a terrain. Pipelines are built on first use.
+    ///
+    /// # Errors
+    /// None today; a driver may refuse the first objects.
+    pub fn new(gpu: Arc<Gpu>) -> Result<Self, RenderError> {
+        Ok(Self {
+            pipelines: Pipelines::new(),
+            frame: FrameBindings::new(&gpu),
+            cube: Cube::new(&gpu),
+            terrain: TerrainBindings::new(&gpu),
+            occluder: CubeBindings::new(&gpu, "occluder"),
+            wireframe: CubeBindings::new(&gpu, "wireframe"),
+            ground: None,
+            drape: None,
+            skybox: None,
+            timer: FrameTimer::new(&gpu),
+            ledger: Ledger::default(),
+            gpu,
+        })
+    }
+
+    /// Replaces the terrain; on an error the old one stays.
+    ///
+    /// # Errors
+    /// [`RenderError::TerrainTooLarge`] where a side exceeds the adapter's textures.
+    pub fn set_terrain(&mut self, map: Arc<HeightField>) -> Result<(), RenderError> {
+        let (width, height, limit) = (map.width(), map.height(), self.gpu.capabilities.max_texture);
+        if width > limit || height > limit {
+            return Err(RenderError::TerrainTooLarge { width, height, limit });
+        }
+        self.ground = Some(Ground::new(&self.gpu, map));
+        self.drape = None;
+        Ok(())
+    }
+
+    /// The terrain on the CPU, with the craters of the last frame.
+    pub fn terrain(&self) -> Option<&EditedTerrain> {
+        self.ground.as_ref().map(Ground::terrain)
+    }
+
+    /// The device that this renderer draws with.
+    pub fn gpu(&self) -> &Arc<Gpu> {
+        &self.gpu
+    }
+
+    /// What the last frame cost.
+    pub fn ledger(&self) -> &Ledger {
+        &self.ledger
+    }
+
+    /// Draws a frame of `scene` into `target`: encodes and submits, does not wait. Without a camera in the scene it is
+    /// the start view.
+    ///
+    /// # Errors
+    /// [`RenderError`]; nothing is drawn then, and the target keeps its picture.
+    pub fn draw(&mut self, scene: &Scene, target: &Target) -> Result<(), RenderError> {
+        self.draw_counting(scene, target, None)
+    }
+
+    /// Draws like [`Self::draw`] and counts the pixels that the skybox shades (`ledger.sky_pixels`). Waits for the GPU.
+    ///
+    /// # Errors
+    /// As [`Self::draw`].
+    pub fn count_sky_pixels(&mut self, scene: &Scene, target: &Target) -> Result<u64, RenderError> {
+        let gpu = Arc::clone(&self.gpu);
+        let counter = probe::PixelCounter::new(&gpu);
+        self.draw_counting(scene, target, Some(&counter))?;
+        let pixels = if self.ledger.passes.iter().any(|pass| pass == "skybox") { counter.read(&gpu)? } else { 0 };
+        self.ledger.sky_pixels = Some(pixels);
+        Ok(pixels)
+    }
+
+    fn draw_counting(
+        &mut self,
+        scene: &Scene,
+        target: &Target,
+        counter: Option<&probe::PixelCounter>,
+    ) -> Result<(), RenderError> {
+        self.check_device()?;
+        let (draws, defs, uploaded) = self.prepare(scene, target.size(), false)?;
+        let mut encoder =
+            self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("frame") });
+        {
+            let attachments = [Some(wgpu::RenderPassColorAttachment {
+                view: &target.color_view,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations { load: wgpu::LoadOp::Clear(BACKGROUND), store: wgpu::StoreOp::Store },
+            })];
+            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                label: Some("scene"),
+                color_attachments: &attachments,
+                depth_stencil_attachment: Some(clear_depth(&target.depth_view)),
+                timestamp_writes: self.timer.writes(),
+                occlusion_query_set: counter.map(probe::PixelCounter::queries),
+                multiview_mask: None,
+            });
+            for draw in &draws {
+                let counted = draw.name == "skybox" && counter.is_some();
+                if counted {
+                    pass.begin_occlusion_query(0);
+                }
+                self.encode(&mut pass, draw);
+                if counted {
+                    pass.end_occlusion_query();
+                }
+            }
+        }
+        if let Some(counter) = counter {
+            counter.resolve(&mut encoder);
+        }
+        self.timer.submit(&self.gpu, encoder);
+        self.note_frame(&draws, defs, uploaded, target);
+        Ok(())
+    }
+
+    /// Copies the kept picture over all of an open pass on a window of `format`, and notes it in the ledger.
+    ///
+    /// # Errors
+    /// [`RenderError::Shader`] where the pipeline for this format does not build.
+    pub fn present(
+        &mut self,
+        pass: &mut wgpu::RenderPass<'_>,
+        format: wgpu::TextureFormat,
+        target: &Target,
+    ) -> Result<(), RenderError> {
+        let built = self.pipelines.get(&self.gpu, &self.frame.layout, PipelineKey::Present(format))?;
+        present::draw(&self.gpu, &built, pass, format, target);
+        self.note_pass("present", 1);
+        Ok(())
+    }
+
+    /// Notes a pass of the caller's in the ledger. A pass noted again replaces its earlier self: a frame of the panel
+    /// alone presents the kept picture anew.
+    pub fn note_pass(&mut self, name: &str, draws: u32) {
+        if !self.ledger.passes.iter().any(|pass| pass == name) {
+            self.ledger.passes.push(name.to_owned());
+            self.ledger.draws += draws;
+        }
+    }
+
+    /// Milliseconds of the oldest frame whose time has arrived and was not handed out yet. Does not wait.
+    pub fn take_frame_time(&mut self) -> Option<f64> {
+        self.timer.take(&self.gpu)
+    }
+
+    /// Waits for the newest frame; its time in milliseconds.
+    ///
+    /// # Errors
+    /// [`RenderError::DeviceLost`] where no time arrives.
+    pub fn wait_frame_time(&mut self) -> Result<f64, RenderError> {
+        let lost = || RenderError::DeviceLost(self.gpu.lost().unwrap_or_else(|| "a frame never ended".into()));
+        self.timer.wait(&self.gpu).ok_or_else(lost)
+    }
+
+    /// Reads the shader folder again and rebuilds all pipelines; on an error the old ones stay.
+    ///
+    /// # Errors
+    /// [`RenderError::Shader`] with the compiler's message.
+    pub fn reload_shaders(&mut self) -> Result<(), RenderError> {
+        Ok(self.pipelines.reload(&self.gpu, &self.frame.layout)?)
+    }
+
+    fn check_device(&self) -> Result<(), RenderError> {
+        self.gpu.lost().map_or(Ok(()), |reason| Err(RenderError::DeviceLost(reason)))
+    }
+
+    /// Brings textures and uniforms up to date with `scene`; returns the draws, the terrain's defs, and the bytes
+    /// uploaded. Whatever can fail comes before anything is changed that a later frame would show.
+    fn prepare(
+        &mut self,
+        scene: &Scene,
+        size: [u32; 2],
+        probe: bool,
+    ) -> Result<(Vec<Draw>, Vec<&'static str>, u64), RenderError> {
+        let mut uploaded = 0;
+        let view = self.view(scene, size);
+        let key = TerrainKey::of(scene, probe);
+        if !probe {
+            uploaded += self.prepare_drape(scene, key)?;
+            uploaded += self.prepare_skybox(scene)?;
+        }
+        if let Some(ground) = &mut self.ground {
+            ground.prepare(&self.gpu, &scene.craters, GroundNeeds { pyramid: key.needs_pyramid() });
+            if !probe && let Some(rect) = ground.take_changed() {
+                let field = ground.terrain().field();
+                uploaded += self.drape.as_mut().map_or(0, |drape| drape.update(&self.gpu, field, rect));
+            }
+            uploaded += ground.take_uploaded();
+        }
+        let frame = FrameUniform::new(&view.camera, size, view.extent, scene.skybox.flattening);
+        self.frame.write(&self.gpu, &frame);
+
+        let mut draws = Vec::new();
+        let mut defs = Vec::new();
+        if let Some(draw) = self.terrain_draw(scene, &view, key)? {
+            defs.clone_from(&draw.built.defs);
+            draws.push(draw);
+        }
+        if scene.debug.wireframe && !probe {
+            draws.extend(self.wireframe_draw(&view)?);
+        }
+        if scene.occluder.enabled {
+            draws.extend(self.occluder_draw(scene, &view, probe)?);
+        }
+        if !probe && let Some(skybox) = &self.skybox {
+            let built = self.pipelines.get(&self.gpu, &self.frame.layout, PipelineKey::Skybox)?;
+            let group = skybox.group(&self.gpu, &built);
+            draws.push(Draw { name: "skybox", built, group, edges: false });
+        }
+        Ok((draws, defs, uploaded))
+    }
+
+    fn view(&self, scene: &Scene, size: [u32; 2]) -> View {
+        let (camera, extent) = match &self.ground {
+            Some(ground) => {
+                let map = ground.terrain().base();
+                let extent = map.box_size(scene.terrain.height_scale);
+                (scene.camera.unwrap_or_else(|| NamedView::Start.camera(map, extent)), extent)
+            }
+            None => {
+                let camera = Camera { eye: DVec3::ZERO, yaw: 0.0, pitch: 0.0, fov: Camera::DEFAULT_FOV };
+                (scene.camera.unwrap_or(camera), DVec3::ZERO)
+            }
+        };
+        View { camera, clip_from_world: camera.clip_from_world(size), extent }
+    }
+
+    fn prepare_drape(&mut self, scene: &Scene, key: TerrainKey) -> Result<u64, RenderError> {
+        if !key.diffuse {
+            self.drape = None;
+            return Ok(0);
+        }
+        let Some(ground) = &mut self.ground else { return Ok(0) };
+        if self.drape.as_ref().is_some_and(|drape| drape.matches(&scene.diffuse)) {
+            return Ok(0);
+        }
+        // A texture made now shows all craters of the last frame already.
+        let (drape, uploaded) = Drape::new(&self.gpu, &scene.diffuse, ground.terrain().field())?;
+        ground.take_changed();
+        self.drape = Some(drape);
+        Ok(uploaded)
+    }
+
+    fn prepare_skybox(&mut self, scene: &Scene) -> Result<u64, RenderError> {
+        if !scene.skybox.enabled {
+            self.skybox = None;
+            return Ok(0);
+        }
+        if self.skybox.as_ref().is_some_and(|skybox| skybox.matches(scene)) {
+            return Ok(0);
+        }
+        let (skybox, uploaded) = Skybox::new(&self.gpu, scene)?;
+        self.skybox = Some(skybox);
+        Ok(uploaded)
+    }
+
+    fn terrain_draw(&mut self, scene: &Scene, view: &View, key: TerrainKey) -> Result<Option<Draw>, RenderError> {
+        let Some(ground) = &self.ground else { return Ok(None) };
+        let box_clip = clip_corners(view.clip_from_world, terrain::world_from_box(view.extent));
+        if !in_view(&box_clip) {
+            return Ok(None);
+        }
+        if key.filters_heights() && !self.gpu.capabilities.filterable_float32 {
+            return Err(RenderError::Unsupported {
+                what: "hardware-linear filtering of heights",
+                needs: "the feature float32-filterable",
+                instead: "choose the filter `exact`, which is also more precise",
+            });
+        }
+        let built = self.pipelines.get(&self.gpu, &self.frame.layout, PipelineKey::Terrain(key))?;
+        let uniform = TerrainUniform::new(scene, ground, self.drape.as_ref(), view.extent, &box_clip);
+        let group = self.terrain.prepare(&self.gpu, &built, key, &uniform, ground, self.drape.as_ref());
+        Ok(group.map(|group| Draw { name: "terrain", built, group, edges: false }))
+    }
+
+    fn wireframe_draw(&mut self, view: &View) -> Result<Option<Draw>, RenderError> {
+        let clip: [DVec4; 8] = clip_corners(view.clip_from_world, DMat4::from_scale(view.extent));
+        if self.ground.is_none() || !in_view(&clip) {
+            return Ok(None);
+        }
+        let built = self.pipelines.get(&self.gpu, &self.frame.layout, PipelineKey::Wireframe)?;
+        let group = self.wireframe.prepare(&self.gpu, &built, &wireframe::uniform(&clip));
+        Ok(Some(Draw { name: "wireframe", built, group, edges: true }))
+    }
+
+    fn occluder_draw(&mut self, scene: &Scene, view: &View, probe: bool) -> Result<Option<Draw>, RenderError> {
+        let Some(ground) = &self.ground else { return Ok(None) };
+        let world_from_cube = occluder::world_from_cube(&scene.occluder, ground.terrain().base(), view.extent);
+        let clip = clip_corners(view.clip_from_world, world_from_cube);
+        if !in_view(&clip) {
+            return Ok(None);
+        }
+        let built = self.pipelines.get(&self.gpu, &self.frame.layout, PipelineKey::Occluder { probe })?;
+        let group =
+            self.occluder.prepare(&self.gpu, &built, &occluder::uniform(&clip, world_from_cube, &scene.lighting));
+        Ok(Some(Draw { name: "occluder", built, group, edges: false }))
+    }
+
+    fn encode(&self, pass: &mut wgpu::RenderPass<'_>, draw: &Draw) {
+        pass.set_pipeline(&draw.built.pipeline);
+        pass.set_bind_group(0, &self.frame.group, &[]);
+        pass.set_bind_group(1, &draw.group, &[]);
+        if draw.edges {
+            self.cube.draw_edges(pass);
+        } else {
+            self.cube.draw_faces(pass);
+        }
+    }
+
+    fn note_frame(&mut self, draws: &[Draw], defs: Vec<&'static str>, uploaded: u64, target: &Target) {
+        let mut textures = Vec::new();
+        if let Some(ground) = &self.ground {
+            ground.list(&mut textures);
+        }
+        textures.extend(self.drape.as_ref().map(Drape::entry));
+        textures.extend(self.skybox.as_ref().map(Skybox::entry));
+        textures.push(TextureEntry::of("picture", &target.color));
+        textures.push(TextureEntry::of("depth", &target.depth));
+        self.ledger = Ledger {
+            passes: draws.iter().map(|draw| draw.name.to_owned()).collect(),
+            pipelines: self.pipelines.names(),
+            draws: draws.len() as u32,
+            texture_bytes: textures.iter().map(|texture| texture.bytes).sum(),
+            textures,
+            shader_defs: defs.into_iter().map(str::to_owned).collect(),
+            uploaded_bytes: uploaded,
+            scene_frames: self.ledger.scene_frames + 1,
+            sky_pixels: None,
+        };
+    }
+}
+
+/// A depth attachment cleared to infinity.
+fn clear_depth(view: &wgpu::TextureView) -> wgpu::RenderPassDepthStencilAttachment<'_> {
+    wgpu::RenderPassDepthStencilAttachment {
+        view,
+        depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(DEPTH_CLEAR), store: wgpu::StoreOp::Store }),
+        stencil_ops: None,
+    }
+}

@@ -1,0 +1,190 @@
+//! Pipelines by key: described by the passes, built on first use, kept, and rebuilt together when a shader is saved.
+
+use std::collections::HashMap;
+use std::hash::Hash;
+use std::rc::Rc;
+
+use crate::gpu::{COLOR_FORMAT, DEPTH_COMPARE, DEPTH_FORMAT, Gpu, PROBE_FORMAT, ShaderError, ShaderSources};
+
+use super::terrain::TerrainKey;
+use super::{heat_map, occluder, present, skybox, terrain, wireframe};
+
+/// Which pipeline: everything that decides what is compiled into it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum PipelineKey {
+    Terrain(TerrainKey),
+    Wireframe,
+    Occluder { probe: bool },
+    Skybox,
+    Present(wgpu::TextureFormat),
+}
+
+impl PipelineKey {
+    fn describe(self) -> PassDescription {
+        match self {
+            Self::Terrain(key) => terrain::describe(key),
+            Self::Wireframe => wireframe::describe(),
+            Self::Occluder { probe } => occluder::describe(probe),
+            Self::Skybox => skybox::describe(),
+            Self::Present(format) => present::describe(format),
+        }
+    }
+}
+
+/// All that a pass says of its pipeline.
+#[derive(Clone, Debug)]
+pub(super) struct PassDescription {
+    /// Name in the ledger.
+    pub(super) name: String,
+    /// Shader file with the entry points `vs_main` and `fs_main`.
+    pub(super) file: &'static str,
+    /// Modules it may import, in the order in which they need each other.
+    pub(super) modules: Vec<&'static str>,
+    /// Shader defs.
+    pub(super) defs: Vec<&'static str>,
+    /// The pass's own bind group: group 1 after the frame's, or group 0 without it.
+    pub(super) bindings: Vec<wgpu::BindGroupLayoutEntry>,
+    /// Whether bind group 0 is the frame's.
+    pub(super) frame: bool,
+    pub(super) topology: wgpu::PrimitiveTopology,
+    /// Faces left out.
+    pub(super) cull: Option<wgpu::Face>,
+    /// Depth test, and whether depth is written; absent without a depth buffer.
+    pub(super) depth: Option<(wgpu::CompareFunction, bool)>,
+    pub(super) format: wgpu::TextureFormat,
+}
+
+impl PassDescription {
+    /// A pass over the scene's colour and depth (or a probe's) that draws the cube's faces.
+    pub(super) fn scene(name: &str, file: &'static str, probe: bool) -> Self {
+        Self {
+            name: name.to_owned(),
+            file,
+            modules: vec!["frame.wgsl"],
+            defs: Vec::new(),
+            bindings: Vec::new(),
+            frame: true,
+            topology: wgpu::PrimitiveTopology::TriangleList,
+            cull: None,
+            depth: Some((DEPTH_COMPARE, true)),
+            format: if probe { PROBE_FORMAT } else { COLOR_FORMAT },
+        }
+    }
+}
+
+/// A pipeline with the layout of its pass's bind group.
+#[derive(Debug)]
+pub(super) struct Built {
+    pub(super) name: String,
+    pub(super) pipeline: wgpu::RenderPipeline,
+    pub(super) layout: wgpu::BindGroupLayout,
+    pub(super) defs: Vec<&'static str>,
+}
+
+/// All pipelines alive.
+#[derive(Debug)]
+pub(super) struct Pipelines {
+    sources: ShaderSources,
+    built: HashMap<PipelineKey, Rc<Built>>,
+}
+
+impl Pipelines {
+    pub(super) fn new() -> Self {
+        Self { sources: ShaderSources::embedded(vec![("heat_map", heat_map::wgsl())]), built: HashMap::new() }
+    }
+
+    /// The pipeline of `key`, built if it is not there yet.
+    pub(super) fn get(
+        &mut self,
+        gpu: &Gpu,
+        frame: &wgpu::BindGroupLayout,
+        key: PipelineKey,
+    ) -> Result<Rc<Built>, ShaderError> {
+        if let Some(built) = self.built.get(&key) {
+            return Ok(Rc::clone(built));
+        }
+        let built = Rc::new(build(gpu, &self.sources, frame, key.describe())?);
+        self.built.insert(key, Rc::clone(&built));
+        Ok(built)
+    }
+
+    /// Reads the shader folder again and rebuilds every pipeline; on an error all of the old ones stay.
+    pub(super) fn reload(&mut self, gpu: &Gpu, frame: &wgpu::BindGroupLayout) -> Result<(), ShaderError> {
+        let Some(folder) = ShaderSources::folder() else {
+            return Err(ShaderError {
+                file: "shaders".into(),
+                message: "the folder this program was built from is gone".into(),
+            });
+        };
+        let sources = self.sources.reload(&folder)?;
+        let rebuilt = self
+            .built
+            .keys()
+            .map(|&key| Ok((key, Rc::new(build(gpu, &sources, frame, key.describe())?))))
+            .collect::<Result<_, ShaderError>>()?;
+        (self.sources, self.built) = (sources, rebuilt);
+        Ok(())
+    }
+
+    /// Names of all pipelines alive, sorted.
+    pub(super) fn names(&self) -> Vec<String> {
+        let mut names: Vec<_> = self.built.values().map(|built| built.name.clone()).collect();
+        names.sort();
+        names
+    }
+}
+
+fn build(
+    gpu: &Gpu,
+    sources: &ShaderSources,
+    frame: &wgpu::BindGroupLayout,
+    pass: PassDescription,
+) -> Result<Built, ShaderError> {
+    let module = sources.compose(pass.file, &pass.modules, &pass.defs)?;
+    let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
+    let shader = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some(&pass.name),
+        source: wgpu::ShaderSource::Naga(std::borrow::Cow::Owned(module)),
+    });
+    let layout = gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+        label: Some(&pass.name),
+        entries: &pass.bindings,
+    });
+    let groups = if pass.frame { vec![Some(frame), Some(&layout)] } else { vec![Some(&layout)] };
+    let pipeline_layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: Some(&pass.name),
+        bind_group_layouts: &groups,
+        immediate_size: 0,
+    });
+    let pipeline = gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some(&pass.name),
+        layout: Some(&pipeline_layout),
+        vertex: wgpu::VertexState {
+            module: &shader,
+            entry_point: Some("vs_main"),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            buffers: &[],
+        },
+        primitive: wgpu::PrimitiveState { topology: pass.topology, cull_mode: pass.cull, ..Default::default() },
+        depth_stencil: pass.depth.map(|(compare, write)| wgpu::DepthStencilState {
+            format: DEPTH_FORMAT,
+            depth_write_enabled: Some(write),
+            depth_compare: Some(compare),
+            stencil: wgpu::StencilState::default(),
+            bias: wgpu::DepthBiasState::default(),
+        }),
+        multisample: wgpu::MultisampleState::default(),
+        fragment: Some(wgpu::FragmentState {
+            module: &shader,
+            entry_point: Some("fs_main"),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            targets: &[Some(pass.format.into())],
+        }),
+        multiview_mask: None,
+        cache: None,
+    });
+    if let Some(error) = pollster::block_on(scope.pop()) {
+        return Err(ShaderError { file: pass.file.to_owned(), message: error.to_string() });
+    }
+    Ok(Built { name: pass.name, pipeline, layout, defs: pass.defs })
+}

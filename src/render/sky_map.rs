@@ -1,0 +1,151 @@
+//! A procedural cube map: sky, the sun's disc in the light's direction, distant hills.
+
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+
+use super::mips::{Image, encode};
+
+/// Texels along a face's edge.
+pub(super) const FACE: u32 = 512;
+
+/// Angular radius of the sun's disc in degrees: larger than the real one (0.27°), which would be two texels.
+const SUN_RADIUS: f32 = 1.1;
+
+/// What the map shows; a change of it makes a new map.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Sky {
+    /// Towards the sun, unit length, world space.
+    pub(super) sun: Vec3,
+    /// Width over height of the box that the map is drawn on.
+    pub(super) flattening: f32,
+}
+
+/// The direction on the unit cube through texel (`x`, `y`) of face `face`: +x, −x, +y, −y, +z, −z.
+fn texel_direction(face: usize, x: u32, y: u32) -> Vec3 {
+    let s = 2.0 * (x as f32 + 0.5) / FACE as f32 - 1.0;
+    let t = 2.0 * (y as f32 + 0.5) / FACE as f32 - 1.0;
+    match face {
+        0 => Vec3::new(1.0, -t, -s),
+        1 => Vec3::new(-1.0, -t, s),
+        2 => Vec3::new(s, 1.0, t),
+        3 => Vec3::new(s, -1.0, -t),
+        4 => Vec3::new(s, -t, 1.0),
+        _ => Vec3::new(-s, -t, -1.0),
+    }
+}
+
+/// The six faces.
+pub(super) fn faces(sky: &Sky) -> Vec<Image> {
+    (0..6)
+        .map(|face| {
+            let mut rgba = vec![255; (FACE * FACE * 4) as usize];
+            rgba.par_chunks_mut(FACE as usize * 4).enumerate().for_each(|(y, row)| {
+                for (x, texel) in row.chunks_exact_mut(4).enumerate() {
+                    // The map is drawn on a flattened box: where a texel ends up in the world decides its colour.
+                    let on_cube = texel_direction(face, x as u32, y as u32);
+                    let direction = (on_cube * Vec3::new(1.0, 1.0 / sky.flattening, 1.0)).normalize();
+                    let color = colour(sky, direction);
+                    // Half a step of ordered noise: without it the gradient shows its 8 bits as rings.
+                    let noise = (hash(x as i32, (y + face * FACE as usize) as i32) - 0.5) / 255.0;
+                    for (byte, light) in texel.iter_mut().zip(color.to_array()) {
+                        *byte = encode(light * (1.0 + noise));
+                    }
+                }
+            });
+            Image { width: FACE, height: FACE, rgba }
+        })
+        .collect()
+}
+
+/// Linear light from `direction` (unit length).
+fn colour(sky: &Sky, direction: Vec3) -> Vec3 {
+    let low_sun = 1.0 - sky.sun.y.clamp(0.0, 0.5) * 2.0;
+    let day = ((sky.sun.y + 0.1) * 5.0).clamp(0.06, 1.0);
+    let zenith = Vec3::new(0.10, 0.27, 0.62);
+    let horizon = Vec3::new(0.62, 0.72, 0.82).lerp(Vec3::new(0.86, 0.62, 0.42), low_sun * low_sun * 0.7);
+    let height = direction.y.max(0.0);
+    let mut light = horizon.lerp(zenith, 1.0 - (1.0 - height).powi(4));
+
+    let towards_sun = direction.dot(sky.sun);
+    let glow = Vec3::new(1.0, 0.86, 0.62);
+    light += glow * (0.35 * towards_sun.max(0.0).powi(24) + 0.12 * towards_sun.max(0.0).powi(4) * low_sun);
+    let edge = SUN_RADIUS.to_radians().cos();
+    let soft = (1.35 * SUN_RADIUS).to_radians().cos();
+    let disc = ((towards_sun - soft) / (edge - soft)).clamp(0.0, 1.0);
+    light = light.lerp(Vec3::new(1.6, 1.45, 1.15), disc);
+
+    // Two ridges of hills, the nearer one darker; haze blends both into the horizon.
+    for (scale, lowest, highest, rock) in
+        [(5.0, 0.012, 0.062, Vec3::new(0.36, 0.44, 0.55)), (9.0, -0.004, 0.036, Vec3::new(0.23, 0.27, 0.30))]
+    {
+        let ridge = lowest + (highest - lowest) * ridge_line(direction, scale);
+        if direction.y < ridge {
+            let haze = ((direction.y + 0.12) / 0.2).clamp(0.0, 1.0);
+            light = rock.lerp(horizon, 0.35 * haze + 0.1);
+        }
+    }
+    if direction.y < -0.02 {
+        // Below the horizon: a plain that fades into the haze.
+        let depth = ((-direction.y - 0.02) * 4.0).min(1.0);
+        light = Vec3::new(0.50, 0.46, 0.41).lerp(Vec3::new(0.30, 0.25, 0.20), depth);
+    }
+    light * day
+}
+
+/// Height of a ridge, 0 to 1, in the compass direction of `direction`: value noise on a circle, so that it closes.
+fn ridge_line(direction: Vec3, scale: f32) -> f32 {
+    let flat = DVec3::new(f64::from(direction.x), 0.0, f64::from(direction.z)).normalize_or_zero().as_vec3();
+    let mut sum = 0.0;
+    let (mut weight, mut frequency) = (0.5, scale);
+    for octave in 0..6 {
+        sum +=
+            weight * value_noise(flat.x * frequency + 17.3 * octave as f32, flat.z * frequency - 9.1 * octave as f32);
+        weight *= 0.5;
+        frequency *= 2.1;
+    }
+    sum
+}
+
+fn value_noise(x: f32, y: f32) -> f32 {
+    let (ix, iy) = (x.floor(), y.floor());
+    let smooth = |f: f32| f * f * (3.0 - 2.0 * f);
+    let (fx, fy) = (smooth(x - ix), smooth(y - iy));
+    let at = |i: i32, j: i32| hash(ix as i32 + i, iy as i32 + j);
+    let mix = |a: f32, b: f32, t: f32| a + (b - a) * t;
+    mix(mix(at(0, 0), at(1, 0), fx), mix(at(0, 1), at(1, 1), fx), fy)
+}
+
+/// A number in 0..1 that looks random, from a lattice point.
+fn hash(x: i32, y: i32) -> f32 {
+    let mut n = (x as u32).wrapping_mul(0x9e37_79b1) ^ (y as u32).wrapping_mul(0x85eb_ca77);
+    n = (n ^ (n >> 15)).wrapping_mul(0x2c1b_3c6d);
+    n = (n ^ (n >> 12)).wrapping_mul(0x297a_2d39);
+    (n ^ (n >> 15)) as f32 / u32::MAX as f32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The sun in the picture must stand where the light comes from, whatever the flattening.
+    #[test]
+    fn the_brightest_texel_lies_towards_the_sun() {
+        for flattening in [1.0, 2.5] {
+            let sun = Vec3::new(0.4, 0.35, -0.8).normalize();
+            let faces = faces(&Sky { sun, flattening });
+            let (mut brightest, mut best) = (0, Vec3::ZERO);
+            for (index, face) in faces.iter().enumerate() {
+                for (i, texel) in face.rgba.chunks_exact(4).enumerate() {
+                    let sum: u32 = texel[..3].iter().map(|&byte| u32::from(byte)).sum();
+                    if sum > brightest {
+                        brightest = sum;
+                        best = texel_direction(index, i as u32 % FACE, i as u32 / FACE);
+                    }
+                }
+            }
+            let direction = (best * Vec3::new(1.0, 1.0 / flattening, 1.0)).normalize();
+            let angle = direction.dot(sun).min(1.0).acos().to_degrees();
+            assert!(angle < 2.0, "{angle}° off at flattening {flattening}");
+        }
+    }
+}

@@ -1,0 +1,124 @@
+//! The skybox: the same cube around the eye, widened and flattened, with a cube map. Its shader is `skybox.wgsl`.
+
+use std::path::PathBuf;
+
+use crate::gpu::{DEPTH_CLEAR, Gpu};
+use crate::scene::Scene;
+
+use super::RenderError;
+use super::frame::{sampler_entry, texture_entry};
+use super::ledger::TextureEntry;
+use super::mips::{self, Image};
+use super::pipelines::{Built, PassDescription};
+use super::sky_map::{self, Sky};
+
+pub(super) fn describe() -> PassDescription {
+    // Equal to the clear value: what anything covers is not shaded.
+    const { assert!(DEPTH_CLEAR == 0.0, "skybox.wgsl places the box at depth 0") };
+    PassDescription {
+        bindings: vec![texture_entry(0, true, true), sampler_entry(1)],
+        cull: Some(wgpu::Face::Front),
+        depth: Some((wgpu::CompareFunction::Equal, false)),
+        ..PassDescription::scene("skybox", "skybox.wgsl", false)
+    }
+}
+
+/// What a cube map was made from.
+#[derive(Clone, Debug, PartialEq)]
+enum Source {
+    Procedural(Sky),
+    Files([PathBuf; 6]),
+}
+
+impl Source {
+    fn of(scene: &Scene) -> Self {
+        match &scene.skybox.faces {
+            Some(files) => Self::Files(files.clone()),
+            None => Self::Procedural(Sky {
+                sun: scene.lighting.sun_direction().as_vec3(),
+                flattening: scene.skybox.flattening,
+            }),
+        }
+    }
+}
+
+/// The cube map on the GPU.
+#[derive(Debug)]
+pub(super) struct Skybox {
+    source: Source,
+    texture: wgpu::Texture,
+    view: wgpu::TextureView,
+    sampler: wgpu::Sampler,
+}
+
+impl Skybox {
+    /// Makes or reads the map; also returns the bytes uploaded.
+    pub(super) fn new(gpu: &Gpu, scene: &Scene) -> Result<(Self, u64), RenderError> {
+        let source = Source::of(scene);
+        let faces = match &source {
+            Source::Procedural(sky) => sky_map::faces(sky),
+            Source::Files(files) => read_faces(files, gpu.capabilities.max_texture)?,
+        };
+        let side = faces.first().map_or(1, |face| face.width);
+        let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some("sky"),
+            size: wgpu::Extent3d { width: side, height: side, depth_or_array_layers: 6 },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: wgpu::TextureFormat::Rgba8UnormSrgb,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+            view_formats: &[],
+        });
+        let uploaded =
+            faces.iter().zip(0..).map(|(face, layer)| mips::upload(gpu, &texture, 0, layer, face, face.all())).sum();
+        let view = texture.create_view(&wgpu::TextureViewDescriptor {
+            dimension: Some(wgpu::TextureViewDimension::Cube),
+            ..Default::default()
+        });
+        let sampler = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
+            label: Some("sky"),
+            mag_filter: wgpu::FilterMode::Linear,
+            min_filter: wgpu::FilterMode::Linear,
+            ..Default::default()
+        });
+        Ok((Self { source, texture, view, sampler }, uploaded))
+    }
+
+    /// Whether this is still the map that `scene` asks for.
+    pub(super) fn matches(&self, scene: &Scene) -> bool {
+        self.source == Source::of(scene)
+    }
+
+    pub(super) fn group(&self, gpu: &Gpu, built: &Built) -> wgpu::BindGroup {
+        gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("skybox"),
+            layout: &built.layout,
+            entries: &[
+                wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(&self.view) },
+                wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::Sampler(&self.sampler) },
+            ],
+        })
+    }
+
+    pub(super) fn entry(&self) -> TextureEntry {
+        TextureEntry::of("sky", &self.texture)
+    }
+}
+
+fn read_faces(files: &[PathBuf; 6], largest: u32) -> Result<Vec<Image>, RenderError> {
+    let mut faces: Vec<Image> = Vec::new();
+    for path in files {
+        let fail = |reason| RenderError::Image { path: path.clone(), reason };
+        let face = Image::read(path, largest).map_err(fail)?;
+        let side = faces.first().map_or(face.width, |first| first.width);
+        if face.width != side || face.height != side {
+            return Err(fail(format!(
+                "it has {}×{} pixels, but the six faces of a skybox must be squares of one size (here {side}×{side})",
+                face.width, face.height
+            )));
+        }
+        faces.push(face);
+    }
+    Ok(faces)
+}

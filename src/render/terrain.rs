@@ -1,0 +1,330 @@
+//! The terrain pass: which pipeline a scene needs, and its uniform. Mirrors `Terrain` in `shaders/heightfield.wgsl`; the
+//! pass itself is `terrain.wgsl`.
+
+use bytemuck::{Pod, Zeroable};
+use glam::{DMat4, DVec3, DVec4, Vec3};
+
+use crate::gpu::Gpu;
+use crate::scene::{CraterMode, DebugView, HeightFilter, Scene, Technique};
+
+use super::drape::Drape;
+use super::frame::{sampler_entry, texture_entry, uniform_buffer, uniform_entry};
+use super::ground::Ground;
+use super::pipelines::{Built, PassDescription};
+
+/// The drawn box is larger than the terrain's by this share of its longest side, so that the rasteriser's rounding
+/// cuts off no ray that still meets the terrain; rays beside the true box are dropped in the shader.
+const INFLATION: f64 = 1e-3;
+
+/// What the pass writes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Output {
+    /// A picture.
+    View(DebugView),
+    /// Distance, steps, capped.
+    Probe,
+}
+
+/// All that is compiled into the terrain's pipeline. What a technique or view does not use is normalised away, so that
+/// flipping it builds nothing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) struct TerrainKey {
+    pub(super) technique: Technique,
+    pub(super) filter: HeightFilter,
+    pub(super) steps_by_angle: bool,
+    pub(super) lower_start: bool,
+    pub(super) discard_misses: bool,
+    pub(super) lighting: bool,
+    pub(super) diffuse: bool,
+    pub(super) layered: bool,
+    pub(super) output: Output,
+}
+
+impl TerrainKey {
+    /// The pipeline that `scene` needs for a picture, or for a probe of it.
+    pub(super) fn of(scene: &Scene, probe: bool) -> Self {
+        let march = &scene.march;
+        let samples = march.technique.samples_uniformly();
+        let output = if probe { Output::Probe } else { Output::View(scene.debug.view) };
+        let shaded = output == Output::View(DebugView::None);
+        let key = Self {
+            technique: march.technique,
+            filter: if samples { march.filter } else { HeightFilter::Exact },
+            steps_by_angle: samples && march.steps_by_angle,
+            lower_start: march.lower_start,
+            discard_misses: march.discard_misses,
+            lighting: shaded && scene.lighting.enabled,
+            diffuse: shaded && scene.diffuse.enabled,
+            layered: scene.craters.mode == CraterMode::Layered && !scene.craters.list.is_empty(),
+            output,
+        };
+        if key.marches() { key } else { Self::without_rays() }
+    }
+
+    /// Whether rays are cast at all.
+    pub(super) fn marches(&self) -> bool {
+        self.output != Output::View(DebugView::Position)
+    }
+
+    /// Whether the technique walks the maximum pyramid.
+    pub(super) fn needs_pyramid(&self) -> bool {
+        self.marches() && self.technique == Technique::MaxMipmap
+    }
+
+    /// Whether heights are read through the sampler's linear filter.
+    pub(super) fn filters_heights(&self) -> bool {
+        self.filter == HeightFilter::HardwareLinear
+    }
+
+    fn without_rays() -> Self {
+        Self {
+            technique: Technique::default(),
+            filter: HeightFilter::Exact,
+            steps_by_angle: false,
+            lower_start: false,
+            discard_misses: false,
+            lighting: false,
+            diffuse: false,
+            layered: false,
+            output: Output::View(DebugView::Position),
+        }
+    }
+
+    /// Every key that a scene can lead to.
+    #[cfg(test)]
+    pub(super) fn all() -> Vec<Self> {
+        let mut keys = std::collections::HashSet::new();
+        for (technique, filter, view) in Technique::ALL.into_iter().flat_map(|technique| {
+            [HeightFilter::Exact, HeightFilter::HardwareLinear, HeightFilter::Nearest]
+                .into_iter()
+                .flat_map(move |filter| DebugView::ALL.map(|view| (technique, filter, view)))
+        }) {
+            for bits in 0..128u32 {
+                let bit = |index: u32| bits & (1 << index) != 0;
+                let mut scene = Scene::default();
+                scene.march.technique = technique;
+                scene.march.filter = filter;
+                scene.march.steps_by_angle = bit(0);
+                scene.march.lower_start = bit(1);
+                scene.march.discard_misses = bit(2);
+                scene.lighting.enabled = bit(3);
+                scene.diffuse.enabled = bit(4);
+                scene.debug.view = view;
+                if bit(5) {
+                    scene.craters.mode = CraterMode::Layered;
+                    scene.craters.list.push(scene.craters.brush_at(0.5, 0.5));
+                }
+                keys.insert(Self::of(&scene, bit(6)));
+            }
+        }
+        keys.into_iter().collect()
+    }
+
+    fn defs(&self) -> Vec<&'static str> {
+        let shaded = self.output == Output::View(DebugView::None);
+        let normals = self.lighting || self.output == Output::View(DebugView::Normals);
+        [
+            (self.filter == HeightFilter::HardwareLinear, "FILTER_HARDWARE_LINEAR"),
+            (self.filters_heights(), "HEIGHT_SAMPLER"),
+            (self.filter == HeightFilter::Nearest, "FILTER_NEAREST"),
+            (self.steps_by_angle, "STEPS_BY_ANGLE"),
+            (self.lower_start, "LOWER_START"),
+            (self.discard_misses, "DISCARD_MISSES"),
+            (self.layered, "CRATERS_LAYERED"),
+            (shaded, "SHADED"),
+            (self.lighting, "LIGHTING"),
+            (self.diffuse, "DIFFUSE_TEXTURE"),
+            (normals, "SURFACE_NORMAL"),
+            (self.output == Output::Probe, "PROBE"),
+            (self.output == Output::View(DebugView::Position), "VIEW_POSITION"),
+            (self.output == Output::View(DebugView::Steps), "VIEW_STEPS"),
+            (self.output == Output::View(DebugView::Normals), "VIEW_NORMALS"),
+            (self.output == Output::View(DebugView::Distance), "VIEW_DISTANCE"),
+        ]
+        .into_iter()
+        .filter_map(|(on, def)| on.then_some(def))
+        .collect()
+    }
+
+    fn march_file(&self) -> &'static str {
+        match self.technique {
+            Technique::Linear => "march/linear.wgsl",
+            Technique::LinearBinary => "march/linear-binary.wgsl",
+            Technique::MaxMipmap => "march/max-mipmap.wgsl",
+        }
+    }
+}
+
+pub(super) fn describe(key: TerrainKey) -> PassDescription {
+    let filtered = key.filters_heights();
+    let mut bindings = vec![uniform_entry::<TerrainUniform>(0)];
+    let mut modules = vec!["frame.wgsl", "heightfield.wgsl"];
+    let mut name = "terrain".to_owned();
+    if key.marches() {
+        bindings.push(texture_entry(1, filtered, false));
+        modules.extend(["sampling.wgsl", key.march_file(), "shading.wgsl"]);
+        name = format!("terrain {}", key.technique.name());
+    }
+    if filtered {
+        bindings.push(sampler_entry(2));
+    }
+    if key.needs_pyramid() {
+        bindings.push(texture_entry(3, false, false));
+    }
+    if key.layered {
+        bindings.push(texture_entry(4, filtered, false));
+    }
+    if key.diffuse {
+        bindings.extend([texture_entry(5, true, false), sampler_entry(6)]);
+    }
+    let defs = key.defs();
+    PassDescription {
+        name: format!("{name} [{}]", defs.join(" ")),
+        modules,
+        defs,
+        bindings,
+        // The far side of the box: it is there from inside the box, too.
+        cull: Some(wgpu::Face::Front),
+        ..PassDescription::scene("terrain", "terrain.wgsl", key.output == Output::Probe)
+    }
+}
+
+/// Mirror of `Terrain` in `heightfield.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub(super) struct TerrainUniform {
+    pub(super) box_clip: [[f32; 4]; 8],
+    pub(super) size: Vec3,
+    pub(super) highest: f32,
+    pub(super) cells: [i32; 2],
+    pub(super) cells_per_unit: [f32; 2],
+    pub(super) samples: [f32; 2],
+    pub(super) binary_steps: u32,
+    pub(super) top_level: u32,
+    pub(super) step_cap: u32,
+    pub(super) layer_rise: f32,
+    pub(super) layer_cells: [f32; 2],
+    pub(super) sun: Vec3,
+    pub(super) ambient: f32,
+    pub(super) diffuse: f32,
+    pub(super) specular: f32,
+    pub(super) shininess: f32,
+    pub(super) repeats: f32,
+    pub(super) texel_density: f32,
+    pub(super) heat_map_max: f32,
+    pub(super) padding: [f32; 2],
+}
+
+impl TerrainUniform {
+    pub(super) fn new(
+        scene: &Scene,
+        ground: &Ground,
+        drape: Option<&Drape>,
+        extent: DVec3,
+        box_clip: &[DVec4; 8],
+    ) -> Self {
+        let field = ground.terrain().base();
+        let cells = field.cells();
+        let (layer_cells, rise) = ground.layer().map_or(([1, 1], 0.0), |(_, cells, rise)| (cells, rise));
+        let light = &scene.lighting;
+        Self {
+            box_clip: super::cube::as_f32(box_clip),
+            size: extent.as_vec3(),
+            highest: ground.highest() * extent.y as f32,
+            cells: cells.map(|side| side as i32),
+            cells_per_unit: [(f64::from(cells[0]) / extent.x) as f32, (f64::from(cells[1]) / extent.z) as f32],
+            samples: [scene.march.samples_min as f32, scene.march.samples_max as f32],
+            binary_steps: scene.march.binary_steps,
+            top_level: ground.top_level(),
+            // Every node that a ray can cross on every level, going down and up again, twice over.
+            step_cap: 8 * (cells[0] + cells[1]) + 256,
+            layer_rise: rise * extent.y as f32,
+            layer_cells: layer_cells.map(|side| side as f32),
+            sun: light.sun_direction().as_vec3(),
+            ambient: light.ambient,
+            diffuse: light.diffuse,
+            specular: light.specular,
+            shininess: light.shininess,
+            repeats: scene.diffuse.repeats,
+            texel_density: drape.map_or(1.0, |drape| drape.texels_across() as f32 / extent.x as f32),
+            heat_map_max: scene.debug.heat_map_max.max(1) as f32,
+            padding: [0.0; 2],
+        }
+    }
+}
+
+/// From the unit cube to the terrain's box, a little inflated.
+pub(super) fn world_from_box(extent: DVec3) -> DMat4 {
+    let margin = DVec3::splat(INFLATION * extent.max_element());
+    DMat4::from_translation(-margin) * DMat4::from_scale(extent + 2.0 * margin)
+}
+
+/// The pass's uniform buffer and samplers.
+#[derive(Debug)]
+pub(super) struct TerrainBindings {
+    buffer: wgpu::Buffer,
+    height_sampler: wgpu::Sampler,
+    /// For a texture that covers the terrain once: its last texels must not mix with the first.
+    clamped: wgpu::Sampler,
+    repeated: wgpu::Sampler,
+}
+
+impl TerrainBindings {
+    pub(super) fn new(gpu: &Gpu) -> Self {
+        let sampler = |label, address| {
+            gpu.device.create_sampler(&wgpu::SamplerDescriptor {
+                label: Some(label),
+                address_mode_u: address,
+                address_mode_v: address,
+                mag_filter: wgpu::FilterMode::Linear,
+                min_filter: wgpu::FilterMode::Linear,
+                mipmap_filter: wgpu::MipmapFilterMode::Linear,
+                ..Default::default()
+            })
+        };
+        Self {
+            buffer: uniform_buffer::<TerrainUniform>(gpu, "terrain"),
+            height_sampler: sampler("heights", wgpu::AddressMode::ClampToEdge),
+            clamped: sampler("diffuse", wgpu::AddressMode::ClampToEdge),
+            repeated: sampler("diffuse, repeated", wgpu::AddressMode::Repeat),
+        }
+    }
+
+    /// Writes the uniform and makes the bind group of `built`; `None` where a texture it needs is missing.
+    pub(super) fn prepare(
+        &self,
+        gpu: &Gpu,
+        built: &Built,
+        key: TerrainKey,
+        uniform: &TerrainUniform,
+        ground: &Ground,
+        drape: Option<&Drape>,
+    ) -> Option<wgpu::BindGroup> {
+        gpu.queue.write_buffer(&self.buffer, 0, bytemuck::bytes_of(uniform));
+        let view = wgpu::BindingResource::TextureView;
+        let mut entries = vec![(0, self.buffer.as_entire_binding())];
+        if key.marches() {
+            entries.push((1, view(ground.heights())));
+        }
+        if key.filters_heights() {
+            entries.push((2, wgpu::BindingResource::Sampler(&self.height_sampler)));
+        }
+        if key.needs_pyramid() {
+            entries.push((3, view(ground.pyramid()?)));
+        }
+        if key.layered {
+            entries.push((4, view(ground.layer()?.0)));
+        }
+        if key.diffuse {
+            let sampler = if uniform.repeats > 1.0 { &self.repeated } else { &self.clamped };
+            entries.extend([(5, view(drape?.view())), (6, wgpu::BindingResource::Sampler(sampler))]);
+        }
+        let entries: Vec<_> =
+            entries.into_iter().map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource }).collect();
+        Some(gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some(&built.name),
+            layout: &built.layout,
+            entries: &entries,
+        }))
+    }
+}

@@ -1,0 +1,330 @@
+//! What to draw, as plain data: everything a picture depends on besides the height map's samples.
+//!
+//! A [`Scene`] can be written to and read from TOML, so a picture can be made again. It knows neither GPU nor
+//! window. Every field has a default; a scene file names only what differs.
+
+use std::path::PathBuf;
+
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+
+use crate::camera::Camera;
+use crate::heightfield::Crater;
+
+/// Everything that a frame shows.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Scene {
+    /// The terrain's proportion and how it enters the march.
+    pub terrain: TerrainSettings,
+    /// The eye. Absent: the start view of the terrain.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub camera: Option<Camera>,
+    /// How rays meet the height field.
+    pub march: MarchSettings,
+    /// The ground's colour.
+    pub diffuse: DiffuseSettings,
+    /// The sun and the reflection model.
+    pub lighting: LightingSettings,
+    /// The skybox.
+    pub skybox: SkyboxSettings,
+    /// The cube that hides hills and is hidden by them.
+    pub occluder: OccluderSettings,
+    /// What to show instead of, or on top of, the shaded terrain.
+    pub debug: DebugSettings,
+    /// Craters, oldest first, and how they deform the ground.
+    pub craters: CraterSettings,
+}
+
+/// The height map and its proportion.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct TerrainSettings {
+    /// The height map's file. Absent: the one given on the command line, or the Grand Canyon. A relative path in a
+    /// scene file is relative to that file.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub file: Option<PathBuf>,
+    /// Height of the box in world units (the longer horizontal side is 1). Absent: the map's own proportion.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub height_scale: Option<f64>,
+}
+
+/// How a ray is tested against the height field.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Technique {
+    /// Uniform steps (the 2009 study, sections 3.3–3.4).
+    Linear,
+    /// Uniform steps, then halvings of the last one (Policarpo, Oliveira, Comba 2005).
+    LinearBinary,
+    /// Exact: maximum mipmap traversal with bilinear leaves (Tevs, Ihrke, Seidel 2008, made exact).
+    #[default]
+    MaxMipmap,
+}
+
+impl Technique {
+    /// All techniques, in the order of the documentation.
+    pub const ALL: [Self; 3] = [Self::Linear, Self::LinearBinary, Self::MaxMipmap];
+
+    /// The name used on the command line, in scene files and as the stem of the shader file.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Linear => "linear",
+            Self::LinearBinary => "linear-binary",
+            Self::MaxMipmap => "max-mipmap",
+        }
+    }
+
+    /// Whether the technique takes uniform samples, so that sample counts and the filter matter.
+    pub fn samples_uniformly(self) -> bool {
+        self != Self::MaxMipmap
+    }
+}
+
+/// How a sampling technique reads a height between the samples of the map.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum HeightFilter {
+    /// Four texel loads, interpolated in f32: the surface itself.
+    #[default]
+    Exact,
+    /// The sampler's bilinear filter; its weights have 8 fractional bits.
+    HardwareLinear,
+    /// The nearest sample: a field of boxes.
+    Nearest,
+}
+
+/// How rays meet the height field.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct MarchSettings {
+    /// The technique.
+    pub technique: Technique,
+    /// Fewest uniform steps, for a ray that looks straight down (`steps_by_angle`).
+    pub samples_min: u32,
+    /// Most uniform steps, for a horizontal ray; the number for every ray without `steps_by_angle`.
+    pub samples_max: u32,
+    /// Whether the number of steps depends on the ray's angle to the vertical (section 3.4 of the study).
+    pub steps_by_angle: bool,
+    /// Halvings after the first sample below the ground (`linear-binary` only); 0 is off.
+    pub binary_steps: u32,
+    /// How heights between samples are read by `linear` and `linear-binary`.
+    pub filter: HeightFilter,
+    /// Start marching at the height of the highest terrain rather than at the lid of the box.
+    pub lower_start: bool,
+    /// Discard rays that meet nothing, which gives the terrain its silhouette; otherwise they show the ground's
+    /// colour where they leave the box.
+    pub discard_misses: bool,
+}
+
+impl Default for MarchSettings {
+    fn default() -> Self {
+        Self {
+            technique: Technique::default(),
+            samples_min: 128,
+            samples_max: 512,
+            steps_by_angle: true,
+            binary_steps: 8,
+            filter: HeightFilter::default(),
+            lower_start: true,
+            discard_misses: true,
+        }
+    }
+}
+
+/// The ground's colour.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct DiffuseSettings {
+    /// Colour the ground with a texture; otherwise it is a uniform grey.
+    pub enabled: bool,
+    /// An image to drape over the terrain. Absent: a texture generated from height and slope.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub file: Option<PathBuf>,
+    /// How often the texture repeats along each horizontal side.
+    pub repeats: f32,
+}
+
+impl Default for DiffuseSettings {
+    fn default() -> Self {
+        Self { enabled: true, file: None, repeats: 1.0 }
+    }
+}
+
+/// The sun and the reflection model (Blinn–Phong).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct LightingSettings {
+    /// Whether the ground is lit; off, no normal is computed.
+    pub enabled: bool,
+    /// Compass direction of the sun in degrees, clockwise from north.
+    pub sun_azimuth: f32,
+    /// Height of the sun over the horizon in degrees.
+    pub sun_elevation: f32,
+    /// Weight of the light that comes from everywhere.
+    pub ambient: f32,
+    /// Weight of the Lambertian term.
+    pub diffuse: f32,
+    /// Weight of the highlight.
+    pub specular: f32,
+    /// Exponent of the highlight.
+    pub shininess: f32,
+}
+
+impl Default for LightingSettings {
+    fn default() -> Self {
+        Self {
+            enabled: true,
+            sun_azimuth: 300.0,
+            sun_elevation: 32.0,
+            ambient: 0.28,
+            diffuse: 1.0,
+            specular: 0.08,
+            shininess: 24.0,
+        }
+    }
+}
+
+impl LightingSettings {
+    /// Unit vector towards the sun, world space.
+    pub fn sun_direction(&self) -> DVec3 {
+        let (azimuth, elevation) =
+            (f64::from(self.sun_azimuth).to_radians(), f64::from(self.sun_elevation).to_radians());
+        DVec3::new(azimuth.sin() * elevation.cos(), elevation.sin(), -azimuth.cos() * elevation.cos())
+    }
+}
+
+/// The skybox: the same cube, widened and flattened around the eye.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct SkyboxSettings {
+    /// Whether a skybox is drawn; otherwise the background is a flat colour.
+    pub enabled: bool,
+    /// Six images for +x, −x, +y, −y, +z, −z. Absent: a procedural sky with the sun and distant hills.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub faces: Option<[PathBuf; 6]>,
+    /// Width of the box over its height: above 1 it is flattened, which pulls the horizon down.
+    pub flattening: f32,
+}
+
+impl Default for SkyboxSettings {
+    fn default() -> Self {
+        Self { enabled: true, faces: None, flattening: 2.0 }
+    }
+}
+
+/// The occluder: the same cube, small and turned.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct OccluderSettings {
+    /// Whether the cube is drawn.
+    pub enabled: bool,
+    /// Centre in world units. Absent: above the middle of the terrain, half sunk into the hills.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub position: Option<DVec3>,
+    /// Length of its edges in world units.
+    pub size: f64,
+    /// Turns around y, x and z in degrees, applied in that order (yaw, pitch, roll).
+    pub rotation: DVec3,
+    /// Degrees per second that `rotation.x` (the yaw) grows in the viewer; 0 stands still.
+    pub spin: f64,
+}
+
+impl Default for OccluderSettings {
+    fn default() -> Self {
+        Self { enabled: false, position: None, size: 0.08, rotation: DVec3::new(30.0, 20.0, 0.0), spin: 0.0 }
+    }
+}
+
+/// What the terrain pass shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum DebugView {
+    /// The shaded terrain.
+    #[default]
+    None,
+    /// The position on the cube's back faces as a colour; no ray is cast (the study's fixed-function shader).
+    Position,
+    /// Steps per ray as a heat map; the legend says what the colours mean.
+    Steps,
+    /// The Sobel normal, mapped from [−1, 1] to a colour.
+    Normals,
+    /// Distance from the eye, grey: near is bright.
+    Distance,
+}
+
+impl DebugView {
+    /// All views, in the order of the panel.
+    pub const ALL: [Self; 5] = [Self::None, Self::Position, Self::Steps, Self::Normals, Self::Distance];
+
+    /// The name used on the command line and in scene files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::None => "none",
+            Self::Position => "position",
+            Self::Steps => "steps",
+            Self::Normals => "normals",
+            Self::Distance => "distance",
+        }
+    }
+}
+
+/// What to show instead of, or on top of, the shaded terrain.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct DebugSettings {
+    /// Replaces the shaded terrain.
+    pub view: DebugView,
+    /// Draws the twelve edges of the terrain's box, hidden by the ground where it hides them.
+    pub wireframe: bool,
+    /// Steps that the brightest colour of the heat map stands for.
+    pub heat_map_max: u32,
+}
+
+impl Default for DebugSettings {
+    fn default() -> Self {
+        Self { view: DebugView::None, wireframe: false, heat_map_max: 64 }
+    }
+}
+
+/// How craters deform the ground.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum CraterMode {
+    /// Written into the heights; only the touched part of the pyramid is rebuilt. Free per frame.
+    #[default]
+    Baked,
+    /// A second texture of its own resolution, added at every step (the study's way).
+    Layered,
+}
+
+/// Craters, oldest first, and the brush for the next one.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct CraterSettings {
+    /// How they deform the ground.
+    pub mode: CraterMode,
+    /// Samples along the longer side of the second texture (`layered` only).
+    pub layer_resolution: u32,
+    /// Radius of the next crater in world units.
+    pub radius: f64,
+    /// Depth of the next crater as a share of the terrain's height.
+    pub depth: f64,
+    /// Height of the next crater's rim as a share of the terrain's height.
+    pub rim: f64,
+    /// The craters, oldest first.
+    pub list: Vec<Crater>,
+}
+
+impl Default for CraterSettings {
+    fn default() -> Self {
+        Self { mode: CraterMode::Baked, layer_resolution: 512, radius: 0.03, depth: 0.35, rim: 0.08, list: Vec::new() }
+    }
+}
+
+impl CraterSettings {
+    /// The crater that the brush makes at the world position (`x`, `z`).
+    pub fn brush_at(&self, x: f64, z: f64) -> Crater {
+        Crater { x, z, radius: self.radius, depth: self.depth, rim: self.rim }
+    }
+}
