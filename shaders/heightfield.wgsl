@@ -42,6 +42,8 @@ struct Terrain {
 
 @group(1) @binding(0) var<uniform> terrain: Terrain;
 @group(1) @binding(1) var heights: texture_2d<f32>;
+// Clamps to the edge and does not filter: one gather reads the four corners of a cell.
+@group(1) @binding(7) var corner_sampler: sampler;
 
 #ifdef HEIGHT_SAMPLER
 @group(1) @binding(2) var height_sampler: sampler;
@@ -71,24 +73,25 @@ fn layer_displacement(p: vec2f) -> f32 {
 }
 #endif
 
-// Height of sample `texel` in world units.
-fn sample_height(texel: vec2i) -> f32 {
-    let height = textureLoad(heights, texel, 0).r;
-#ifdef CRATERS_LAYERED
-    return clamp(height + layer_displacement(vec2f(texel)), 0.0, 1.0) * terrain.size.y;
-#else
-    return height * terrain.size.y;
-#endif
-}
-
-// Heights of the four corners of `cell`, world units: north-west, north-east, south-west, south-east.
+// Heights of the samples at `cell` and south-east of it: north-west, north-east, south-west, south-east. World units.
+// Beyond the map's border the nearest sample counts.
 fn cell_corners(cell: vec2i) -> vec4f {
-    return vec4f(
-        sample_height(cell),
-        sample_height(cell + vec2i(1, 0)),
-        sample_height(cell + vec2i(0, 1)),
-        sample_height(cell + vec2i(1, 1)),
+    // The corner that the four texels share. It lies half a texel from where the choice of texels would change.
+    let shared_corner = vec2f(cell + 1) / vec2f(terrain.cells + 1);
+    let corners = textureGather(0, heights, corner_sampler, shared_corner).wzxy;
+#ifdef CRATERS_LAYERED
+    let west_north = vec2f(clamp(cell, vec2i(0), terrain.cells));
+    let east_south = vec2f(clamp(cell + 1, vec2i(0), terrain.cells));
+    let displacement = vec4f(
+        layer_displacement(west_north),
+        layer_displacement(vec2f(east_south.x, west_north.y)),
+        layer_displacement(vec2f(west_north.x, east_south.y)),
+        layer_displacement(east_south),
     );
+    return clamp(corners + displacement, vec4f(0.0), vec4f(1.0)) * terrain.size.y;
+#else
+    return corners * terrain.size.y;
+#endif
 }
 
 fn bilinear(corners: vec4f, f: vec2f) -> f32 {
@@ -105,9 +108,8 @@ fn ground_height(p: vec2f) -> f32 {
 #else
     let cell = clamp(vec2i(floor(p)), vec2i(0), terrain.cells - 1);
     let f = p - vec2f(cell);
-    let north = mix(textureLoad(heights, cell, 0).r, textureLoad(heights, cell + vec2i(1, 0), 0).r, f.x);
-    let south = mix(textureLoad(heights, cell + vec2i(0, 1), 0).r, textureLoad(heights, cell + vec2i(1, 1), 0).r, f.x);
-    var height = mix(north, south, f.y);
+    let shared_corner = vec2f(cell + 1) / vec2f(terrain.cells + 1);
+    var height = bilinear(textureGather(0, heights, corner_sampler, shared_corner).wzxy, f);
 #endif
 #endif
 #ifdef CRATERS_LAYERED

@@ -2,7 +2,7 @@
 #define_import_path relief::shading
 
 #import relief::frame::frame
-#import relief::heightfield::{terrain, sample_height, ground_height}
+#import relief::heightfield::{terrain, cell_corners}
 
 #ifdef DIFFUSE_TEXTURE
 @group(1) @binding(5) var diffuse_texture: texture_2d<f32>;
@@ -18,25 +18,22 @@ fn sobel(north: vec3f, middle: vec3f, south: vec3f, texel: vec2i) -> vec2f {
     return vec2f(east_west, south_north) / (4.0 * span);
 }
 
-fn clamped_height(texel: vec2i) -> f32 {
-    return sample_height(clamp(texel, vec2i(0), terrain.cells));
-}
-
 // Normal of the ground at the grid position `p`, world space: the Sobel gradients of the four samples around it,
 // interpolated, so that it is continuous although the patches have creases.
 fn ground_normal(p: vec2f) -> vec3f {
     let cell = clamp(vec2i(floor(p)), vec2i(0), terrain.cells - 1);
     let f = p - vec2f(cell);
-    var rows: array<vec4f, 4>;
-    for (var j = 0; j < 4; j++) {
-        let y = cell.y + j - 1;
-        rows[j] = vec4f(
-            clamped_height(vec2i(cell.x - 1, y)),
-            clamped_height(vec2i(cell.x, y)),
-            clamped_height(vec2i(cell.x + 1, y)),
-            clamped_height(vec2i(cell.x + 2, y)),
-        );
-    }
+    // The 4×4 samples around the cell.
+    let north_west = cell_corners(cell - 1);
+    let north_east = cell_corners(cell + vec2i(1, -1));
+    let south_west = cell_corners(cell + vec2i(-1, 1));
+    let south_east = cell_corners(cell + 1);
+    let rows = array<vec4f, 4>(
+        vec4f(north_west.xy, north_east.xy),
+        vec4f(north_west.zw, north_east.zw),
+        vec4f(south_west.xy, south_east.xy),
+        vec4f(south_west.zw, south_east.zw),
+    );
     let north = mix(
         sobel(rows[0].xyz, rows[1].xyz, rows[2].xyz, cell),
         sobel(rows[0].yzw, rows[1].yzw, rows[2].yzw, cell + vec2i(1, 0)),

@@ -7,7 +7,8 @@
 @group(1) @binding(1) var sky_sampler: sampler;
 
 struct Varyings {
-    @builtin(position) position: vec4f,
+    // Compared for equality with the cleared depth.
+    @invariant @builtin(position) position: vec4f,
     // Direction on the unflattened cube, which is what the cube map was made for.
     @location(0) direction: vec3f,
 }

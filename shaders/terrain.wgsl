@@ -3,7 +3,7 @@
 
 #import relief::frame::{frame, Ray, pixel_ray, cube_corner}
 #import relief::constants::NEAR
-#import relief::heightfield::{terrain, Segment, Hit, NO_HIT, ground_height}
+#import relief::heightfield::{terrain, Segment, NO_HIT}
 #ifndef VIEW_POSITION
 #import relief::march::march
 #endif
@@ -57,6 +57,8 @@ struct Span {
     begin: f32,
     end: f32,
     axis: u32,
+    // Whether it ends on the floor.
+    to_floor: bool,
 }
 
 const RECIPROCAL_OF_ZERO: f32 = 1e30;
@@ -76,7 +78,8 @@ fn clip_to_box(ray: Ray) -> Span {
     let second = (vec3f(terrain.size.x, top, terrain.size.z) - ray.origin) * inverse;
     let enter = min(first, second);
     let leave = max(first, second);
-    var span = Span(-frame.ray_start, min(min(leave.x, leave.y), leave.z), 3u);
+    let end = min(min(leave.x, leave.y), leave.z);
+    var span = Span(-frame.ray_start, end, 3u, ray.direction.y < 0.0 && leave.y == end);
     for (var axis = 0u; axis < 3u; axis++) {
         if enter[axis] > span.begin {
             span.begin = enter[axis];
@@ -102,6 +105,10 @@ fn fs_main(in: Varyings) -> Fragment {
     let segment = Segment(origin, direction, span.end - span.begin, abs(ray.direction.y) / length_of_direction);
     let hit = march(segment);
     var at = hit.at;
+    if at == NO_HIT && span.to_floor {
+        // The floor is nowhere above the ground: only rounding brings a ray to it without a hit.
+        at = segment.end;
+    }
     let missed = at == NO_HIT;
     if missed {
 #ifdef DISCARD_MISSES

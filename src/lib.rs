@@ -7,10 +7,13 @@
 //! |---|---|
 //! | [`heightfield`] | the map itself: loading, generating, the maximum pyramid, craters, the f64 reference |
 //! | [`scene`], [`camera`] | what to draw and from where, as plain data that can be saved |
+//! | [`scene_file`] | scenes as TOML files, with messages that help |
 //! | [`gpu`] | the device and what it can do, targets and readback, timing, shader composition |
 //! | [`render`] | the [`Renderer`](render::Renderer), one file per pass with the stem of its shader, the ledger |
+//! | [`app`] | the window: input, panel, overlays. Only here are winit and egui |
+//! | [`cli`] | the commands |
 //!
-//! Imports run one way: `heightfield`, `scene`, `camera` ← `gpu` ← `render`. The library renders without
+//! Imports run one way: `heightfield`, `scene`, `camera` ← `gpu` ← `render` ← `app` ← `cli`. The library renders without
 //! a window. `shaders/` mirrors [`render`]: one WGSL file per pass, and one per technique under `shaders/march/`.
 //!
 //! # Example
@@ -35,8 +38,11 @@
 //! ```
 #![cfg_attr(test, expect(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test may fail loudly"))]
 
+pub mod app;
 pub mod camera;
+pub mod cli;
 pub mod gpu;
 pub mod heightfield;
 pub mod render;
 pub mod scene;
+pub mod scene_file;

@@ -1,3 +1,5 @@
-//! Exit codes only.
+//! Exit codes only; the commands are in [`relief::cli`].
 
-fn main() {}
+fn main() -> std::process::ExitCode {
+    relief::cli::run()
+}

@@ -53,63 +53,89 @@ fn intersect_patch(corners: vec4f, local: vec3f, direction: vec3f, length: f32) 
     return NO_HIT;
 }
 
+// Where a walk stands.
+struct Walk {
+    // Parameter at which the ray is in `node`.
+    t: f32,
+    level: u32,
+    node: vec2i,
+    steps: u32,
+}
+
+// What does not change along a walk.
+struct Course {
+    inverse: vec2f,
+    // 1 along an axis where the ray goes up, 0 where it goes down.
+    forward: vec2i,
+}
+
+// Parameters of the walls through which the ray leaves `walk.node`.
+fn walls_ahead(walk: Walk, course: Course, origin: vec2f) -> vec2f {
+    return (vec2f((walk.node + course.forward) << vec2u(walk.level)) - origin) * course.inverse;
+}
+
+// Steps across the nearer wall at `leave`; false where that leaves the map. The node is stepped as an integer, never
+// found again from the position. A wall that is also the parent's leads up a level.
+fn cross_wall(walk: ptr<function, Walk>, course: Course, walls: vec2f, leave: f32) -> bool {
+    let before = (*walk).node;
+    let step = 2 * course.forward - 1;
+    let after = before + select(vec2i(0, step.y), vec2i(step.x, 0), walls.x <= walls.y);
+    let last = (terrain.cells - 1) >> vec2u((*walk).level);
+    (*walk).t = leave;
+    (*walk).node = after;
+    if (*walk).level < terrain.top_level && any((after >> vec2u(1u)) != (before >> vec2u(1u))) {
+        (*walk).level += 1u;
+        (*walk).node = after >> vec2u(1u);
+    }
+    return all(after >= vec2i(0)) && all(after <= last);
+}
+
 fn march(ray: Segment) -> Hit {
     let inverse = vec2f(reciprocal(ray.direction.x), reciprocal(ray.direction.z));
     // A ray without a direction along an axis counts as going up: its wall is then RECIPROCAL_OF_ZERO away, or at 0.
-    let forward = vec2i(inverse >= vec2f(0.0));
-    let step = 2 * forward - 1;
+    let course = Course(inverse, vec2i(inverse >= vec2f(0.0)));
     let origin = ray.origin.xz;
     let direction = ray.direction.xz;
-    var level = terrain.top_level;
-    var t = 0.0;
-    var node = clamp(vec2i(floor(origin)), vec2i(0), terrain.cells - 1) >> vec2u(level);
-    for (var steps = 1u; steps <= terrain.step_cap; steps++) {
-        // Where the ray leaves the node. A wall that rounding puts behind the ray must not move it backwards.
-        let walls = vec2f((node + forward) << vec2u(level));
-        let to_wall = (walls - origin) * inverse;
-        let leave = max(min(min(to_wall.x, to_wall.y), ray.end), t);
-        let lowest = ray.origin.y + min(ray.direction.y * t, ray.direction.y * leave);
-        if level > 0u {
-            let highest = textureLoad(pyramid, node, i32(level) - 1).r * terrain.size.y + terrain.layer_rise;
+    let cell = clamp(vec2i(floor(origin)), vec2i(0), terrain.cells - 1);
+    var walk = Walk(0.0, terrain.top_level, cell >> vec2u(terrain.top_level), 0u);
+    while walk.steps < terrain.step_cap {
+        // Down and across through the pyramid, until the ray may meet a cell. A loop of its own: where many rays walk
+        // in step, none of them pays for the cells of the others here.
+        while walk.level > 0u && walk.steps < terrain.step_cap {
+            walk.steps += 1u;
+            let walls = walls_ahead(walk, course, origin);
+            // A wall that rounding puts behind the ray must not move it backwards.
+            let leave = max(min(min(walls.x, walls.y), ray.end), walk.t);
+            let lowest = ray.origin.y + min(ray.direction.y * walk.t, ray.direction.y * leave);
+            let highest = textureLoad(pyramid, walk.node, i32(walk.level) - 1).r * terrain.size.y + terrain.layer_rise;
             if lowest <= highest {
-                // Down. The child is found from the position and then clamped into its parent.
-                level -= 1u;
-                let child = vec2i(floor(origin + direction * t)) >> vec2u(level);
-                let last = (terrain.cells - 1) >> vec2u(level);
-                node = min(clamp(child, 2 * node, 2 * node + 1), last);
-                continue;
-            }
-        } else {
-            let corners = cell_corners(node);
-            if lowest <= max(max(corners.x, corners.y), max(corners.z, corners.w)) {
-                let position = (origin - vec2f(node)) + direction * t;
-                let local = vec3f(position.x, ray.origin.y + ray.direction.y * t, position.y);
-                let hit = intersect_patch(corners, local, ray.direction, leave - t);
-                if hit >= 0.0 {
-                    return Hit(t + hit, steps, 0u);
+                // The child is found from the position and then clamped into its parent.
+                walk.level -= 1u;
+                let child = vec2i(floor(origin + direction * walk.t)) >> vec2u(walk.level);
+                let last = (terrain.cells - 1) >> vec2u(walk.level);
+                walk.node = min(clamp(child, 2 * walk.node, 2 * walk.node + 1), last);
+            } else {
+                if leave >= ray.end || !cross_wall(&walk, course, walls, leave) {
+                    return Hit(NO_HIT, walk.steps, 0u);
                 }
             }
         }
-        if leave >= ray.end {
-            return Hit(NO_HIT, steps, 0u);
+        walk.steps += 1u;
+        let walls = walls_ahead(walk, course, origin);
+        let leave = max(min(min(walls.x, walls.y), ray.end), walk.t);
+        let corners = cell_corners(walk.node);
+        let lowest = ray.origin.y + min(ray.direction.y * walk.t, ray.direction.y * leave);
+        if lowest <= max(max(corners.x, corners.y), max(corners.z, corners.w)) {
+            let position = (origin - vec2f(walk.node)) + direction * walk.t;
+            let local = vec3f(position.x, ray.origin.y + ray.direction.y * walk.t, position.y);
+            let hit = intersect_patch(corners, local, ray.direction, leave - walk.t);
+            if hit >= 0.0 {
+                return Hit(walk.t + hit, walk.steps, 0u);
+            }
         }
-        // Across the nearer wall. The node is stepped as an integer, never found again from the position.
-        t = leave;
-        let before = node;
-        if to_wall.x <= to_wall.y {
-            node.x += step.x;
-        } else {
-            node.y += step.y;
-        }
-        let last = (terrain.cells - 1) >> vec2u(level);
-        if any(node < vec2i(0)) || any(node > last) {
-            return Hit(NO_HIT, steps, 0u);
-        }
-        // A wall of the node that is also its parent's: go up.
-        if level < terrain.top_level && any((node >> vec2u(1u)) != (before >> vec2u(1u))) {
-            level += 1u;
-            node = node >> vec2u(1u);
+        if leave >= ray.end || !cross_wall(&walk, course, walls, leave) {
+            return Hit(NO_HIT, walk.steps, 0u);
         }
     }
-    return Hit(t, terrain.step_cap, 1u);
+    return Hit(walk.t, terrain.step_cap, 1u);
 }

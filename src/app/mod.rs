@@ -1,1 +1,122 @@
-//! app
+//! The viewer: a window over the terrain, the keys and the mouse, the panel and the overlays.
+//!
+//! Only this part of the house knows winit and egui. [`run`] opens the window; everything else is private:
+//!
+//! | file | what it holds |
+//! |---|---|
+//! | `window` | the event loop: what the window system sends, and when it is asked to come back |
+//! | `viewer` | the state of the viewer, loading, shader reload, lost devices |
+//! | `commands`, `input` | what the panel asks for; keys, mouse and dropped files |
+//! | `frame` | one frame: fly, run the panel, draw the scene if it changed, present |
+//! | `graphics`, `surface` | what lives on the GPU, and the surface's life |
+//! | `controls`, `picking`, `redraw` | the fly camera, the crater under the cursor, when a frame is due: no window needed |
+//! | `settings`, `panel`, `overlay`, `toasts` | what egui draws |
+//! | `measure` | frame times and steps per ray |
+//! | `loading`, `screenshot`, `status`, `watch` | files: maps, pictures, state for automated tests, shaders |
+
+mod commands;
+mod controls;
+mod frame;
+mod graphics;
+mod input;
+mod loading;
+mod measure;
+mod overlay;
+mod panel;
+mod picking;
+mod redraw;
+mod screenshot;
+mod settings;
+mod status;
+mod surface;
+mod toasts;
+mod viewer;
+mod watch;
+mod window;
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use winit::event_loop::EventLoop;
+
+use crate::gpu::GpuError;
+use crate::heightfield::HeightField;
+use crate::render::RenderError;
+use crate::scene::Scene;
+
+/// What the viewer opens with.
+#[derive(Clone, Debug)]
+pub struct ViewerOptions {
+    /// The terrain.
+    pub map: Arc<HeightField>,
+    /// What to call it in the window's title and in the panel.
+    pub title: String,
+    /// What loading it had to say; shown as messages.
+    pub warnings: Vec<String>,
+    /// What to draw. `scene.terrain.file` names the file that `map` came from, so that a screenshot's scene finds it.
+    pub scene: Scene,
+    /// Size of the window's inside in physical pixels; `None` is 1280×800 points.
+    pub size: Option<[u32; 2]>,
+    /// A JSON file that is kept up to date with the viewer's state, for automated tests and remote control.
+    pub status: Option<PathBuf>,
+    /// The folder that screenshots are written to.
+    pub screenshots: PathBuf,
+}
+
+impl ViewerOptions {
+    /// Opens `map`, called `title`, with a default scene; screenshots go to the current folder.
+    pub fn new(map: Arc<HeightField>, title: impl Into<String>) -> Self {
+        Self {
+            map,
+            title: title.into(),
+            warnings: Vec::new(),
+            scene: Scene::default(),
+            size: None,
+            status: None,
+            screenshots: PathBuf::from("."),
+        }
+    }
+}
+
+/// Why the viewer did not start, or had to end.
+#[derive(Debug, thiserror::Error)]
+pub enum AppError {
+    /// There is no window system, or it gave no window.
+    #[error(
+        "cannot open a window\n  {0}\n  start on a desktop, or draw without a window: relief render -o picture.png"
+    )]
+    Window(String),
+    /// The window cannot be drawn to.
+    #[error(
+        "cannot draw to the window\n  {0}\n  \
+         update the GPU driver, or draw without a window: relief render -o picture.png"
+    )]
+    Surface(String),
+    /// There is no device.
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
+    /// The first frame could not be drawn, or the terrain does not fit.
+    #[error(transparent)]
+    Render(#[from] RenderError),
+    /// The device was lost and could not be set up again.
+    #[error("the GPU device was lost: {lost}\n  it could not be set up again: {again}\n  start the viewer again")]
+    Lost {
+        /// Why it was lost.
+        lost: String,
+        /// Why there is no new one.
+        again: String,
+    },
+}
+
+/// Opens the window and returns when it is closed.
+///
+/// # Errors
+/// [`AppError`], when there is no window, no usable GPU, or the device is lost for good. What goes wrong later (a file
+/// that cannot be opened, a shader that does not compile) is told in the window, and what was there before stays.
+pub fn run(options: ViewerOptions) -> Result<(), AppError> {
+    let no_window = |error: winit::error::EventLoopError| AppError::Window(error.to_string());
+    let event_loop = EventLoop::<window::UserEvent>::with_user_event().build().map_err(no_window)?;
+    let mut app = window::App::new(options, event_loop.create_proxy());
+    event_loop.run_app(&mut app).map_err(no_window)?;
+    app.into_result()
+}

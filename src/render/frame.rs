@@ -131,3 +131,11 @@ pub(super) fn sampler_entry(binding: u32) -> wgpu::BindGroupLayoutEntry {
         count: None,
     }
 }
+
+/// The layout entry of a sampler that gathers texels without filtering them.
+pub(super) fn corner_sampler_entry(binding: u32) -> wgpu::BindGroupLayoutEntry {
+    wgpu::BindGroupLayoutEntry {
+        ty: wgpu::BindingType::Sampler(wgpu::SamplerBindingType::NonFiltering),
+        ..sampler_entry(binding)
+    }
+}

@@ -8,7 +8,7 @@ use crate::gpu::Gpu;
 use crate::scene::{CraterMode, DebugView, HeightFilter, Scene, Technique};
 
 use super::drape::Drape;
-use super::frame::{sampler_entry, texture_entry, uniform_buffer, uniform_entry};
+use super::frame::{corner_sampler_entry, sampler_entry, texture_entry, uniform_buffer, uniform_entry};
 use super::ground::Ground;
 use super::pipelines::{Built, PassDescription};
 
@@ -161,7 +161,7 @@ pub(super) fn describe(key: TerrainKey) -> PassDescription {
     let mut modules = vec!["frame.wgsl", "heightfield.wgsl"];
     let mut name = "terrain".to_owned();
     if key.marches() {
-        bindings.push(texture_entry(1, filtered, false));
+        bindings.extend([texture_entry(1, filtered, false), corner_sampler_entry(7)]);
         modules.extend(["sampling.wgsl", key.march_file(), "shading.wgsl"]);
         name = format!("terrain {}", key.technique.name());
     }
@@ -263,6 +263,7 @@ pub(super) fn world_from_box(extent: DVec3) -> DMat4 {
 #[derive(Debug)]
 pub(super) struct TerrainBindings {
     buffer: wgpu::Buffer,
+    corner_sampler: wgpu::Sampler,
     height_sampler: wgpu::Sampler,
     /// For a texture that covers the terrain once: its last texels must not mix with the first.
     clamped: wgpu::Sampler,
@@ -284,6 +285,10 @@ impl TerrainBindings {
         };
         Self {
             buffer: uniform_buffer::<TerrainUniform>(gpu, "terrain"),
+            corner_sampler: gpu.device.create_sampler(&wgpu::SamplerDescriptor {
+                label: Some("corners of cells"),
+                ..Default::default()
+            }),
             height_sampler: sampler("heights", wgpu::AddressMode::ClampToEdge),
             clamped: sampler("diffuse", wgpu::AddressMode::ClampToEdge),
             repeated: sampler("diffuse, repeated", wgpu::AddressMode::Repeat),
@@ -304,7 +309,10 @@ impl TerrainBindings {
         let view = wgpu::BindingResource::TextureView;
         let mut entries = vec![(0, self.buffer.as_entire_binding())];
         if key.marches() {
-            entries.push((1, view(ground.heights())));
+            entries.extend([
+                (1, view(ground.heights())),
+                (7, wgpu::BindingResource::Sampler(&self.corner_sampler)),
+            ]);
         }
         if key.filters_heights() {
             entries.push((2, wgpu::BindingResource::Sampler(&self.height_sampler)));

@@ -1,0 +1,43 @@
+# `make run` and `make test` do all the set-up; see README.md.
+SHELL := /bin/bash
+.DEFAULT_GOAL := help
+.PHONY: help setup run test bench golden picture
+
+# Tests and golden images belong to the software driver, whatever card this machine has. Override: RELIEF_ADAPTER=NAME.
+test golden picture: export RELIEF_ADAPTER ?= cpu
+test: export RUSTDOCFLAGS = -D warnings
+
+help:
+	@echo 'make run [FILE=map.png]  fly over the Grand Canyon, or over FILE (without a display: draws relief-view.png)'
+	@echo 'make test                formatting, lints, tests, documentation'
+	@echo 'make bench               the benchmarks'
+	@echo 'make golden              renews the golden images; look at them before you commit'
+	@echo "make picture             renews the README's picture"
+	@echo 'make setup               installs what running and testing need'
+
+setup:
+	@.ci/setup.sh test
+
+run:
+	@.ci/setup.sh run
+	cargo run --release --locked -- $(if $(FILE),"$(FILE)")
+
+test:
+	@.ci/setup.sh test
+	cargo fmt --check
+	cargo clippy --locked --all-targets -- -D warnings
+	cargo test --locked
+	cargo doc --locked --no-deps
+	@echo 'make test: formatting, lints, tests (with the documentation examples) and documentation are all in order.'
+
+bench:
+	@.ci/setup.sh run
+	cargo bench --locked
+
+golden:
+	@.ci/setup.sh test
+	RELIEF_UPDATE_GOLDEN=1 cargo test --locked --test golden
+
+picture:
+	@.ci/setup.sh run
+	cargo run --release --locked -- render --view start --size 1280x720 -o assets/readme.png

@@ -1,0 +1,69 @@
+//! What the panel and the keys ask for.
+
+use std::path::PathBuf;
+
+use winit::window::Fullscreen;
+
+use super::frame::FrameError;
+use super::graphics::Graphics;
+use super::screenshot;
+use super::settings::Command;
+use super::viewer::Viewer;
+use super::window::UserEvent;
+
+impl Viewer {
+    /// Does what the panel or a key asked for.
+    pub(super) fn execute(&mut self, command: Command) {
+        self.redraw.invalidate();
+        match command {
+            Command::Open(path) => self.open(path),
+            Command::View(view) => self.scene.camera = Some(view.camera(&self.map, self.extent())),
+            Command::UndoCrater => {
+                self.scene.craters.list.pop();
+            }
+            Command::ClearCraters => self.scene.craters.list.clear(),
+            Command::Screenshot => self.wants_screenshot = true,
+            Command::FullScreen => {
+                let full = self.window.fullscreen().is_none().then_some(Fullscreen::Borderless(None));
+                self.window.set_fullscreen(full);
+            }
+        }
+    }
+
+    /// Starts to open a height map.
+    pub(super) fn open(&mut self, path: PathBuf) {
+        let proxy = self.proxy.clone();
+        let done = move || {
+            // Fails only when the event loop is gone, and with it whoever could be told.
+            let _ = proxy.send_event(UserEvent::Loaded);
+        };
+        if let Err(error) = self.loader.start(path, done) {
+            self.toasts.error(&format!("The old terrain stays: no thread to load on: {error}. Close some programs."));
+        }
+    }
+
+    /// Reads the kept picture back and writes it with its scene, the writing on another thread.
+    pub(super) fn screenshot(&mut self, graphics: &Graphics) -> Result<(), FrameError> {
+        let picture = match graphics.target.read_color(&graphics.gpu) {
+            Ok(picture) => picture,
+            Err(error) => {
+                self.toasts.error(&format!("No screenshot: {error}"));
+                return graphics.gpu.lost().map_or(Ok(()), |lost| Err(FrameError::Lost(lost)));
+            }
+        };
+        let (folder, proxy) = (self.screenshots.clone(), self.proxy.clone());
+        let mut scene = self.scene.clone();
+        scene.terrain.height_scale = Some(self.extent().y);
+        self.saving = true;
+        let write = move || {
+            let result = screenshot::save(&folder, &picture, &scene).map_err(|error| error.to_string());
+            // Fails only when the event loop is gone, and with it whoever could be told.
+            let _ = proxy.send_event(UserEvent::Screenshot(result));
+        };
+        if let Err(error) = std::thread::Builder::new().name("screenshot".into()).spawn(write) {
+            self.saving = false;
+            self.toasts.error(&format!("No screenshot: no thread to write on: {error}. Close some programs."));
+        }
+        Ok(())
+    }
+}

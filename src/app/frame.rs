@@ -1,0 +1,296 @@
+//! One frame: fly, run the panel, draw the scene if it changed, show the picture with egui over it.
+
+use std::time::{Duration, Instant};
+
+use winit::event_loop::ActiveEventLoop;
+
+use super::graphics::{Graphics, Shown, Ui};
+use super::settings::Command;
+use super::status::widgets;
+use super::viewer::{Viewer, visible_part};
+use super::{AppError, controls, overlay, panel};
+use crate::heightfield::HeightField;
+use crate::render::RenderError;
+use crate::scene::{DebugView, Scene};
+
+/// How long to wait for a surface that is not ready.
+const SURFACE_PAUSE: Duration = Duration::from_millis(30);
+
+/// A spinning occluder jumps no further than this after a stall.
+const LONGEST_SPIN: Duration = Duration::from_millis(250);
+
+/// Why the viewer cannot go on as it is.
+#[derive(Debug)]
+pub(crate) enum FrameError {
+    /// The device is lost; everything on it has to be made anew.
+    Lost(String),
+    /// There is no way on.
+    Fatal(AppError),
+}
+
+impl Viewer {
+    /// Draws what changed and shows it.
+    pub(crate) fn frame(
+        &mut self,
+        graphics: &mut Graphics,
+        event_loop: &ActiveEventLoop,
+        now: Instant,
+    ) -> Result<(), FrameError> {
+        let size: [u32; 2] = self.window.inner_size().into();
+        self.redraw.begin_frame(now);
+        if size.contains(&0) {
+            return Ok(());
+        }
+        self.advance(graphics, now);
+        if graphics.follow(size, self.view.vsync) {
+            self.drawn = None;
+        }
+        self.facts.ledger = graphics.renderer.ledger().clone();
+        let (ui, commands) = self.run_egui(graphics, event_loop, now);
+        for command in commands {
+            self.execute(command);
+        }
+        self.settle_eye(graphics);
+        self.draw_scene(graphics, now)?;
+        if self.wants_screenshot && self.drawn.is_some() {
+            self.wants_screenshot = false;
+            self.screenshot(graphics)?;
+        }
+        self.show(graphics, ui, now)
+    }
+
+    /// Shows the kept picture and egui.
+    fn show(&mut self, graphics: &mut Graphics, ui: Ui, now: Instant) -> Result<(), FrameError> {
+        let shown = graphics.present(&self.window, ui, self.drawn.is_some()).map_err(|error| match error {
+            RenderError::DeviceLost(lost) => FrameError::Lost(lost),
+            error => FrameError::Fatal(error.into()),
+        })?;
+        match shown {
+            Shown::Yes => {
+                self.frames += 1;
+                self.unreported();
+            }
+            Shown::Later => self.redraw.wake_at(now + SURFACE_PAUSE),
+            // Drawn again once the window system says that it can be seen.
+            Shown::Hidden => self.hidden = true,
+            Shown::Lost(reason) => return Err(FrameError::Lost(reason)),
+        }
+        match graphics.gpu.lost() {
+            Some(lost) => Err(FrameError::Lost(lost)),
+            None => Ok(()),
+        }
+    }
+
+    /// Moves the eye and turns the occluder by the time that has passed.
+    fn advance(&mut self, graphics: &Graphics, now: Instant) {
+        if self.fly.is_moving() {
+            let mut camera = self.camera();
+            let height = controls::height_above_ground(self.ground(graphics), self.extent(), camera.eye);
+            camera.eye += self.fly.step(&camera, height, now);
+            self.scene.camera = Some(camera);
+        }
+        self.spun = if self.spins() {
+            let passed = now.saturating_duration_since(self.spun.unwrap_or(now)).min(LONGEST_SPIN);
+            let occluder = &mut self.scene.occluder;
+            occluder.rotation.x = (occluder.rotation.x + occluder.spin * passed.as_secs_f64()).rem_euclid(360.0);
+            Some(now)
+        } else {
+            None
+        };
+    }
+
+    /// The terrain with the craters of the last picture.
+    fn ground<'a>(&'a self, graphics: &'a Graphics) -> &'a HeightField {
+        graphics.renderer.terrain().map_or(&self.map, |terrain| terrain.field())
+    }
+
+    /// Lifts the eye out of the ground, unless it may be there.
+    fn settle_eye(&mut self, graphics: &Graphics) {
+        let mut camera = self.camera();
+        let allowed = self.view.allow_below_ground;
+        if !allowed && controls::keep_above_ground(&mut camera, self.ground(graphics), self.extent()) {
+            self.scene.camera = Some(camera);
+            self.redraw.invalidate();
+        }
+    }
+
+    /// Runs the panel and the overlays.
+    fn run_egui(&mut self, graphics: &Graphics, event_loop: &ActiveEventLoop, now: Instant) -> (Ui, Vec<Command>) {
+        let window = self.window.clone();
+        let ctx = self.egui.egui_ctx().clone();
+        let input = self.egui.take_egui_input(&window);
+        let timestamps = graphics.gpu.capabilities.timestamps;
+        self.hint = self.hint.take().filter(|(_, until)| *until > now);
+        let mut commands = Vec::new();
+        let mut output = ctx.run_ui(input, |ui| self.interface(ui, &mut commands, timestamps, now));
+
+        if self.pointer.captured {
+            output.platform_output.cursor_icon = egui::CursorIcon::None;
+        }
+        if let (Some(update), true) = (&output.platform_output.accesskit_update, self.status.is_some()) {
+            self.widgets = widgets(update);
+        }
+        self.egui.handle_platform_output_with_event_loop(&window, event_loop, output.platform_output);
+        let delay = output.viewport_output.get(&egui::ViewportId::ROOT).map(|viewport| viewport.repaint_delay);
+        match delay {
+            Some(Duration::ZERO) => self.redraw.invalidate(),
+            Some(delay) => {
+                if let Some(at) = now.checked_add(delay) {
+                    self.redraw.wake_at(at);
+                }
+            }
+            None => {}
+        }
+        if let Some((_, until)) = &self.hint {
+            self.redraw.wake_at(*until);
+        }
+        let ui = Ui {
+            textures: output.textures_delta,
+            primitives: ctx.tessellate(output.shapes, output.pixels_per_point),
+            pixels_per_point: output.pixels_per_point,
+        };
+        (ui, commands)
+    }
+
+    /// Everything that egui draws.
+    fn interface(&mut self, ui: &mut egui::Ui, commands: &mut Vec<Command>, timestamps: bool, now: Instant) {
+        if self.view.panel {
+            let mut panel = panel::Panel {
+                scene: &mut self.scene,
+                view: &mut self.view,
+                speed: &mut self.fly.speed,
+                facts: &self.facts,
+                commands,
+            };
+            panel::show(ui, &mut panel);
+        }
+        self.free = ui.available_rect_before_wrap();
+        let ctx = ui.ctx().clone();
+        if self.view.overlay {
+            overlay::statistics(ui, &self.meter.times, self.steps(), &self.facts.ledger, timestamps);
+        }
+        if self.scene.debug.view == DebugView::Steps {
+            overlay::legend(&ctx, self.free, self.scene.debug.heat_map_max);
+        }
+        if self.pointer.captured {
+            overlay::crosshair(&ctx);
+        }
+        if self.view.help {
+            overlay::help(&ctx, &mut self.view.help);
+        }
+        if let Some(path) = self.loader.path() {
+            let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+            overlay::hint(&ctx, self.free, &format!("Opening {name} …"), true);
+        } else if !self.prepared {
+            overlay::hint(&ctx, self.free, "Preparing the first picture …", true);
+        } else if let Some((text, _)) = &self.hint {
+            overlay::hint(&ctx, self.free, text, false);
+        }
+        self.toasts.show(&ctx, now);
+    }
+
+    /// Draws the scene, if the kept picture does not show it.
+    fn draw_scene(&mut self, graphics: &mut Graphics, now: Instant) -> Result<(), FrameError> {
+        if !self.prepared {
+            // The first pipelines take a while on some drivers: say so first, draw in the next frame.
+            self.prepared = true;
+            self.redraw.invalidate();
+            return Ok(());
+        }
+        let visible = visible_part(&self.scene);
+        if self.drawn.as_ref() == Some(&visible) {
+            return Ok(());
+        }
+        match graphics.renderer.draw(&self.scene, &graphics.target) {
+            Ok(()) => {
+                self.drawn = Some(visible);
+                self.last_good = Some(self.scene.clone());
+                self.meter.scene_was_drawn(now);
+                // A new crater's rim may have risen over the eye.
+                self.settle_eye(graphics);
+                Ok(())
+            }
+            Err(RenderError::DeviceLost(lost)) => Err(FrameError::Lost(lost)),
+            Err(error) => {
+                self.toasts.error(&error.to_string());
+                self.redraw.invalidate();
+                if put_back(&mut self.scene, self.last_good.as_ref(), &error) {
+                    return Ok(());
+                }
+                if self.last_good.is_none() {
+                    return Err(FrameError::Fatal(error.into()));
+                }
+                // Nothing to put back: the picture stays until something changes.
+                self.drawn = Some(visible);
+                Ok(())
+            }
+        }
+    }
+}
+
+/// Takes back what made a scene impossible to draw: the image that cannot be used, or else everything but the camera
+/// since the last good picture. False when that changes nothing.
+fn put_back(scene: &mut Scene, good: Option<&Scene>, error: &RenderError) -> bool {
+    let before = scene.clone();
+    if let RenderError::Image { path, .. } = error {
+        let is_diffuse = scene.diffuse.file.as_ref() == Some(path);
+        let is_sky = scene.skybox.faces.as_ref().is_some_and(|faces| faces.contains(path));
+        let unknown = !is_diffuse && !is_sky;
+        if is_diffuse || unknown {
+            let file = good.and_then(|good| good.diffuse.file.clone());
+            scene.diffuse.file = file.filter(|file| Some(file) != before.diffuse.file.as_ref());
+        }
+        if is_sky || unknown {
+            let faces = good.and_then(|good| good.skybox.faces.clone());
+            scene.skybox.faces = faces.filter(|faces| Some(faces) != before.skybox.faces.as_ref());
+        }
+    } else if let Some(good) = good {
+        *scene = Scene { camera: scene.camera, ..good.clone() };
+    }
+    *scene != before
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::PathBuf;
+
+    use super::*;
+    use crate::scene::Technique;
+
+    fn image_error(path: &str) -> RenderError {
+        RenderError::Image { path: path.into(), reason: "it is not an image".into() }
+    }
+
+    /// A wrong path must cost the user nothing but that path.
+    #[test]
+    fn an_unusable_image_is_put_back_and_nothing_else() {
+        let mut good = Scene::default();
+        good.diffuse.file = Some("good.png".into());
+        let mut scene = good.clone();
+        scene.diffuse.file = Some("bad.png".into());
+        scene.march.technique = Technique::Linear;
+        scene.skybox.faces = Some(["a", "b", "c", "d", "e", "f"].map(PathBuf::from));
+        assert!(put_back(&mut scene, Some(&good), &image_error("bad.png")));
+        assert_eq!(scene.diffuse, good.diffuse);
+        assert!(scene.skybox.faces.is_some() && scene.march.technique == Technique::Linear);
+        assert!(put_back(&mut scene, Some(&good), &image_error("c")));
+        assert_eq!(scene.skybox.faces, None);
+        // The good image has been deleted meanwhile: the generated texture is left, and no endless loop.
+        assert!(put_back(&mut scene, Some(&good), &image_error("good.png")));
+        assert_eq!(scene.diffuse.file, None);
+    }
+
+    #[test]
+    fn other_failures_return_to_the_last_good_scene_and_keep_the_eye() {
+        let good = Scene::default();
+        let mut scene = good.clone();
+        scene.march.technique = Technique::Linear;
+        let eye = crate::camera::Camera { eye: glam::DVec3::ONE, yaw: 1.0, pitch: 2.0, fov: 50.0 };
+        scene.camera = Some(eye);
+        let error = RenderError::TerrainTooLarge { width: 9, height: 9, limit: 8 };
+        assert!(put_back(&mut scene, Some(&good), &error));
+        assert_eq!((scene.march.technique, scene.camera), (Technique::default(), Some(eye)));
+        assert!(!put_back(&mut scene, Some(&good), &error), "there is nothing more to put back");
+        assert!(!put_back(&mut Scene::default(), None, &error));
+    }
+}

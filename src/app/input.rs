@@ -1,0 +1,227 @@
+//! Keys, mouse and dropped files.
+
+use std::time::{Duration, Instant};
+
+use glam::DVec2;
+use winit::dpi::PhysicalPosition;
+use winit::event::{ElementState, KeyEvent, MouseButton, MouseScrollDelta, WindowEvent};
+use winit::keyboard::{Key, PhysicalKey};
+use winit::window::CursorGrabMode;
+
+use super::controls::{Direction, Shortcut, look};
+use super::graphics::Graphics;
+use super::picking;
+use super::settings::Command;
+use super::viewer::Viewer;
+use crate::camera::NamedView;
+
+/// How long a hint stays.
+const HINT_TIME: Duration = Duration::from_millis(1400);
+
+/// Pixels of a touchpad that count as one notch of a wheel.
+const PIXELS_PER_NOTCH: f64 = 40.0;
+
+impl Viewer {
+    /// Handles an event of the window, first by egui.
+    pub(crate) fn window_event(&mut self, graphics: &Graphics, event: &WindowEvent, now: Instant) {
+        let of_mouse = matches!(
+            event,
+            WindowEvent::CursorMoved { .. } | WindowEvent::MouseInput { .. } | WindowEvent::MouseWheel { .. }
+        );
+        let repaint = if self.pointer.captured && of_mouse {
+            false
+        } else {
+            let window = self.window.clone();
+            self.egui.on_window_event(&window, event).repaint
+        };
+        if !matches!(event, WindowEvent::CursorMoved { .. }) && repaint {
+            self.redraw.invalidate();
+        }
+        match event {
+            WindowEvent::Occluded(hidden) => self.hidden = *hidden,
+            WindowEvent::Resized(_) | WindowEvent::ScaleFactorChanged { .. } => self.hidden = false,
+            WindowEvent::Focused(false) => {
+                self.fly.release_all();
+                self.pointer.dragging = false;
+                self.capture(false);
+            }
+            WindowEvent::ModifiersChanged(modifiers) => {
+                self.pointer.modifiers = modifiers.state();
+                self.fly.set_modifiers(modifiers.state().shift_key(), modifiers.state().alt_key());
+            }
+            WindowEvent::KeyboardInput { event, is_synthetic, .. } => self.key(graphics, event, *is_synthetic, now),
+            WindowEvent::CursorMoved { position, .. } => self.cursor_moved(*position),
+            WindowEvent::CursorLeft { .. } if !self.pointer.dragging => {
+                (self.pointer.cursor, self.pointer.over_egui) = (None, false);
+            }
+            WindowEvent::MouseInput { state, button, .. } => self.mouse_button(*state, *button),
+            WindowEvent::MouseWheel { delta, .. } if self.pointer.captured || self.cursor_is_free() => {
+                let notches = match delta {
+                    MouseScrollDelta::LineDelta(_, lines) => f64::from(*lines),
+                    MouseScrollDelta::PixelDelta(pixels) => pixels.y / PIXELS_PER_NOTCH,
+                };
+                self.fly.scroll(notches);
+                self.show_hint(format!("Speed {:.3} map widths per second", self.fly.speed), now);
+            }
+            WindowEvent::DroppedFile(path) => self.execute(Command::Open(path.clone())),
+            _ => {}
+        }
+    }
+
+    /// The mouse moved, wherever its cursor is.
+    pub(crate) fn mouse_motion(&mut self, moved: DVec2) {
+        if self.pointer.captured {
+            self.turn(moved);
+        }
+    }
+
+    /// Shows a line of text over the picture for a moment.
+    pub(super) fn show_hint(&mut self, text: String, now: Instant) {
+        self.hint = Some((text, now + HINT_TIME));
+        self.redraw.invalidate();
+    }
+
+    fn turn(&mut self, moved: DVec2) {
+        let mut camera = self.camera();
+        look(&mut camera, moved);
+        self.scene.camera = Some(camera);
+        self.redraw.invalidate();
+    }
+
+    fn cursor_moved(&mut self, position: PhysicalPosition<f64>) {
+        if self.pointer.captured {
+            return;
+        }
+        let cursor = DVec2::new(position.x, position.y);
+        let before = self.pointer.cursor.replace(cursor);
+        if self.pointer.dragging {
+            self.turn(cursor - before.unwrap_or(cursor));
+            return;
+        }
+        // Over the picture nothing lights up under the cursor, so nothing needs to be drawn.
+        let over_egui = !self.cursor_is_free();
+        if over_egui || std::mem::replace(&mut self.pointer.over_egui, over_egui) {
+            self.redraw.invalidate();
+        }
+        self.pointer.over_egui = over_egui;
+    }
+
+    /// Whether the cursor is over the picture and not over the panel, a window of egui, or a drag that began there.
+    fn cursor_is_free(&self) -> bool {
+        let Some(cursor) = self.pointer.cursor else { return false };
+        let ctx = self.egui.egui_ctx();
+        let scale = f64::from(egui_winit::pixels_per_point(ctx, &self.window));
+        let position = egui::pos2((cursor.x / scale) as f32, (cursor.y / scale) as f32);
+        let covered = ctx.layer_id_at(position).is_some_and(|layer| layer.order != egui::Order::Background);
+        self.free.contains(position) && !covered && !ctx.egui_is_using_pointer()
+    }
+
+    fn mouse_button(&mut self, state: ElementState, button: MouseButton) {
+        if state == ElementState::Released {
+            self.pointer.dragging &= button != MouseButton::Right;
+        } else if !self.pointer.captured && self.cursor_is_free() {
+            self.pointer.dragging |= button == MouseButton::Right;
+            // A click on the picture ends typing in the panel.
+            self.egui.egui_ctx().memory_mut(|memory| {
+                if let Some(id) = memory.focused() {
+                    memory.surrender_focus(id);
+                }
+            });
+        }
+    }
+
+    fn key(&mut self, graphics: &Graphics, event: &KeyEvent, synthetic: bool, now: Instant) {
+        let PhysicalKey::Code(key) = event.physical_key else { return };
+        let direction = Direction::from_key(key);
+        if event.state == ElementState::Released {
+            if let Some(direction) = direction {
+                self.fly.release(direction, now);
+            }
+            return;
+        }
+        if event.repeat || synthetic {
+            return;
+        }
+        let modifiers = self.pointer.modifiers;
+        let typing = self.egui.egui_ctx().egui_wants_keyboard_input();
+        let letter = match &event.logical_key {
+            Key::Character(text) => text.chars().next(),
+            _ => None,
+        };
+        let shortcut = Shortcut::from_key(key, letter, modifiers.control_key(), modifiers.shift_key());
+        match (shortcut, direction) {
+            (Some(shortcut), _) if !typing || shortcut.works_while_typing() => self.shortcut(graphics, shortcut, now),
+            (_, Some(direction)) if !typing && !modifiers.control_key() && !modifiers.super_key() => {
+                self.fly.press(direction, now);
+            }
+            _ => {}
+        }
+    }
+
+    fn shortcut(&mut self, graphics: &Graphics, shortcut: Shortcut, now: Instant) {
+        self.redraw.invalidate();
+        match shortcut {
+            Shortcut::Capture => self.capture(!self.pointer.captured),
+            Shortcut::Escape if self.pointer.captured => self.capture(false),
+            Shortcut::Escape if self.view.help => self.view.help = false,
+            Shortcut::Escape => {
+                self.toasts.dismiss_errors();
+            }
+            Shortcut::FrameTerrain => self.execute(Command::View(NamedView::Start)),
+            Shortcut::Crater => self.crater(graphics, now),
+            Shortcut::UndoCrater => self.execute(Command::UndoCrater),
+            Shortcut::ClearCraters => self.execute(Command::ClearCraters),
+            Shortcut::Help => self.view.help = !self.view.help,
+            Shortcut::Panel => self.view.panel = !self.view.panel,
+            Shortcut::Overlay => self.view.overlay = !self.view.overlay,
+            Shortcut::FullScreen => self.execute(Command::FullScreen),
+            Shortcut::Screenshot => self.execute(Command::Screenshot),
+            Shortcut::Quit => self.quit = true,
+        }
+    }
+
+    /// Makes a crater under the cursor, or under the crosshair while the mouse is captured.
+    fn crater(&mut self, graphics: &Graphics, now: Instant) {
+        let picture = graphics.target.size();
+        let centre = DVec2::new(f64::from(picture[0]), f64::from(picture[1])) * 0.5;
+        let pixel = match self.pointer.cursor {
+            _ if self.pointer.captured => centre,
+            Some(cursor) if self.cursor_is_free() => cursor,
+            _ => {
+                self.show_hint("No crater: the cursor is not over the picture.".into(), now);
+                return;
+            }
+        };
+        let map = graphics.renderer.terrain().map_or(&*self.map, |terrain| terrain.field());
+        match picking::ground_at(map, self.extent(), &self.camera(), pixel, picture) {
+            Ok(position) => picking::add_crater(&mut self.scene.craters, position),
+            Err(error) => self.show_hint(error.to_string(), now),
+        }
+    }
+
+    /// Captures the mouse to look around, or releases it.
+    fn capture(&mut self, on: bool) {
+        if on == self.pointer.captured {
+            return;
+        }
+        if on {
+            // Not every window system can lock the cursor in place; all can keep it inside the window.
+            let lock = |mode| self.window.set_cursor_grab(mode);
+            let grabbed = lock(CursorGrabMode::Locked).or_else(|_| lock(CursorGrabMode::Confined));
+            if let Err(error) = grabbed {
+                self.toasts.error(&format!("The mouse cannot be captured: {error}. Look around by dragging instead."));
+                return;
+            }
+            self.pointer.dragging = false;
+            self.egui.egui_input_mut().events.push(egui::Event::PointerGone);
+        } else {
+            // Both fail only where capturing has failed before.
+            let _ = self.window.set_cursor_grab(CursorGrabMode::None);
+            let size = self.window.inner_size();
+            let _ = self.window.set_cursor_position(PhysicalPosition::new(size.width / 2, size.height / 2));
+        }
+        self.window.set_cursor_visible(!on);
+        self.pointer.captured = on;
+        self.redraw.invalidate();
+    }
+}

@@ -1,0 +1,183 @@
+//! What lies over the picture: frame times, steps and the ledger, the heat map's legend, crosshair, help and hints.
+
+use egui::{
+    Align2, Area, Color32, Context, Frame, Grid, Id, Mesh, Order, Pos2, Rect, RichText, Sense, Shape, Stroke,
+    TextWrapMode, Ui, pos2, vec2,
+};
+
+use super::controls::BINDINGS;
+use super::measure::{FRAMES, FrameTimes, Steps};
+use crate::render::{Ledger, heat_map_colour};
+
+/// Distance of the overlays from the borders, points.
+const MARGIN: f32 = 10.0;
+
+/// Distance of the hint from the bottom, so that the legend fits below it. Points.
+const ABOVE_LEGEND: f32 = 84.0;
+
+/// Frame times, steps and the ledger in short, in the upper left corner of the picture beside the panel.
+pub(crate) fn statistics(ui: &Ui, times: &FrameTimes, steps: Option<Steps>, ledger: &Ledger, timestamps: bool) {
+    let corner = ui.available_rect_before_wrap().left_top() + vec2(MARGIN, MARGIN);
+    boxed(ui.ctx(), "statistics", (Align2::LEFT_TOP, corner), |ui| {
+        let clock = if timestamps { "GPU" } else { "Frame" };
+        let text = match (times.quantile(0.5), times.quantile(0.99)) {
+            (Some(median), Some(p99)) => format!("{clock} {median:.2} ms median, {p99:.2} ms p99"),
+            _ => format!("{clock} time: no frame yet"),
+        };
+        ui.monospace(text);
+        graph(ui, times);
+        if let Some((mean, max)) = steps {
+            ui.monospace(format!("{mean:.1} steps per ray, at most {max}"));
+        }
+        ui.monospace(ledger.passes.join(" → "));
+        let (textures, size) = (ledger.textures.len(), bytes(ledger.texture_bytes));
+        ui.monospace(format!("{} draws, {textures} textures, {size}", ledger.draws));
+    });
+}
+
+/// The times as bars, the newest on the right, scaled to the slowest.
+fn graph(ui: &mut Ui, times: &FrameTimes) {
+    let (response, painter) = ui.allocate_painter(vec2(2.0 * FRAMES as f32, 36.0), Sense::hover());
+    let rect = response.rect;
+    painter.rect_filled(rect, 2.0, Color32::from_black_alpha(90));
+    let slowest = times.newest_first().fold(f64::MIN_POSITIVE, f64::max);
+    for (age, ms) in times.newest_first().enumerate() {
+        let x = rect.right() - 1.0 - 2.0 * age as f32;
+        let height = (ms / slowest) as f32 * (rect.height() - 2.0);
+        let bar = [pos2(x, rect.bottom() - 1.0), pos2(x, rect.bottom() - 1.0 - height)];
+        painter.line_segment(bar, Stroke::new(1.5, Color32::from_rgb(120, 200, 140)));
+    }
+}
+
+/// What the colours of the heat map mean, at the bottom of the part that the panel leaves free.
+pub(crate) fn legend(ctx: &Context, free: Rect, maximum: u32) {
+    boxed(ctx, "legend", (Align2::CENTER_BOTTOM, free.center_bottom() - vec2(0.0, MARGIN)), |ui| {
+        ui.label("Steps per ray");
+        let (response, painter) = ui.allocate_painter(vec2(320.0, 14.0), Sense::hover());
+        painter.add(gradient(response.rect));
+        ui.horizontal(|ui| {
+            ui.set_width(320.0);
+            ui.columns_const(|[left, middle, right]| {
+                left.label("0");
+                middle.vertical_centered(|ui| ui.label(legend_number(maximum, 0.5)));
+                right.with_layout(egui::Layout::right_to_left(egui::Align::Min), |ui| {
+                    ui.label(format!("{} or more", legend_number(maximum, 1.0)));
+                });
+            });
+        });
+    });
+}
+
+/// The steps at a place of the legend.
+fn legend_number(maximum: u32, share: f64) -> String {
+    let steps = f64::from(maximum) * share;
+    if steps.fract() == 0.0 { format!("{steps:.0}") } else { format!("{steps:.1}") }
+}
+
+/// The heat map's colours from 0 to its maximum, as the shader draws them.
+fn gradient(rect: Rect) -> Shape {
+    const STOPS: u32 = 64;
+    let mut mesh = Mesh::default();
+    for stop in 0..=STOPS {
+        let share = stop as f32 / STOPS as f32;
+        let [red, green, blue] = heat_map_colour(share);
+        let (x, colour) = (rect.left() + share * rect.width(), Color32::from_rgb(red, green, blue));
+        mesh.colored_vertex(pos2(x, rect.top()), colour);
+        mesh.colored_vertex(pos2(x, rect.bottom()), colour);
+        if stop > 0 {
+            let corner = 2 * stop;
+            mesh.add_triangle(corner - 2, corner - 1, corner);
+            mesh.add_triangle(corner - 1, corner, corner + 1);
+        }
+    }
+    Shape::mesh(mesh)
+}
+
+/// Where C digs while the mouse is captured: the middle of the window.
+pub(crate) fn crosshair(ctx: &Context) {
+    let painter = ctx.layer_painter(egui::LayerId::new(Order::Middle, Id::unique("crosshair")));
+    let centre = ctx.content_rect().center();
+    for (width, colour) in [(3.0, Color32::from_black_alpha(160)), (1.0, Color32::WHITE)] {
+        let stroke = Stroke::new(width, colour);
+        painter.line_segment([centre - vec2(8.0, 0.0), centre + vec2(8.0, 0.0)], stroke);
+        painter.line_segment([centre - vec2(0.0, 8.0), centre + vec2(0.0, 8.0)], stroke);
+    }
+}
+
+/// A line at the bottom: the speed after a turn of the wheel, or what is being waited for.
+pub(crate) fn hint(ctx: &Context, free: Rect, text: &str, working: bool) {
+    boxed(ctx, "hint", (Align2::CENTER_BOTTOM, free.center_bottom() - vec2(0.0, ABOVE_LEGEND)), |ui| {
+        ui.horizontal(|ui| {
+            if working {
+                ui.spinner();
+            }
+            ui.label(RichText::new(text).size(16.0));
+        });
+    });
+}
+
+/// The keys.
+pub(crate) fn help(ctx: &Context, open: &mut bool) {
+    let window = egui::Window::new("Help").open(open).collapsible(false).resizable(false);
+    window.pivot(Align2::CENTER_CENTER).default_pos(ctx.content_rect().center()).show(ctx, |ui| {
+        Grid::new("bindings").num_columns(2).striped(true).show(ui, |ui| {
+            for (keys, meaning) in BINDINGS {
+                ui.strong(keys);
+                ui.label(meaning);
+                ui.end_row();
+            }
+        });
+    });
+}
+
+/// A dark box over the picture that takes no clicks. `corner` of the box lies at the position, in points.
+fn boxed(ctx: &Context, name: &str, (corner, position): (Align2, Pos2), contents: impl FnOnce(&mut Ui)) {
+    let area = Area::new(Id::unique(name)).interactable(false).order(Order::Middle);
+    area.pivot(corner).fixed_pos(position).show(ctx, |ui| {
+        let frame = Frame::popup(ui.style()).fill(Color32::from_black_alpha(170));
+        frame.show(ui, |ui| {
+            ui.style_mut().wrap_mode = Some(TextWrapMode::Extend);
+            ui.visuals_mut().override_text_color = Some(Color32::from_gray(225));
+            contents(ui);
+        });
+    });
+}
+
+/// A number of bytes for people.
+pub(crate) fn bytes(count: u64) -> String {
+    let units = ["B", "KiB", "MiB", "GiB"];
+    let mut value = count as f64;
+    let mut unit = 0;
+    while value >= 1024.0 && unit + 1 < units.len() {
+        value /= 1024.0;
+        unit += 1;
+    }
+    if unit == 0 { format!("{count} B") } else { format!("{value:.1} {}", units[unit]) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_legend_has_the_shaders_colours_at_its_ends() {
+        let Shape::Mesh(mesh) = gradient(Rect::from_min_size(pos2(0.0, 0.0), vec2(100.0, 10.0))) else {
+            panic!("a mesh");
+        };
+        let ends = [mesh.vertices.first(), mesh.vertices.last()].map(|vertex| vertex.expect("vertices").color);
+        let expected = [0.0, 1.0].map(|share| {
+            let [red, green, blue] = heat_map_colour(share);
+            Color32::from_rgb(red, green, blue)
+        });
+        assert_eq!(ends, expected);
+        assert_eq!(legend_number(64, 0.5), "32");
+        assert_eq!(legend_number(7, 0.5), "3.5");
+    }
+
+    #[test]
+    fn bytes_are_readable() {
+        assert_eq!(bytes(1023), "1023 B");
+        assert_eq!(bytes(1536), "1.5 KiB");
+        assert_eq!(bytes(5 << 30), "5.0 GiB");
+    }
+}

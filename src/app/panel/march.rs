@@ -1,0 +1,96 @@
+//! How rays meet the height field.
+
+use egui::Ui;
+
+use super::Panel;
+use super::widgets::{Choice, Number, choose, section, toggle};
+use crate::scene::{HeightFilter, MarchSettings, Technique};
+
+const EXACT: &str = "the technique finds the surface itself and takes no samples";
+
+pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
+    let reset = "Sets technique, samples and options back to their defaults. Rebuilds a pipeline on first use.";
+    section(ui, "March", true, Some(reset), |ui, reset| {
+        let march = &mut panel.scene.march;
+        if reset {
+            *march = MarchSettings::default();
+        }
+        technique(ui, march);
+        samples(ui, march);
+        filter(ui, march, panel.facts.filterable_float32);
+        let tooltip = "Rays start at the height of the highest terrain and not at the lid of the box. Saves steps.";
+        toggle(ui, &mut march.lower_start, "Lower start", tooltip);
+        let tooltip = "Rays that meet nothing are discarded, which gives the terrain its silhouette; otherwise they \
+                       show the ground's colour where they leave the box. Costs early depth tests.";
+        toggle(ui, &mut march.discard_misses, "Discard misses", tooltip);
+    });
+}
+
+fn technique(ui: &mut Ui, march: &mut MarchSettings) {
+    let choices = Technique::ALL.map(|value| Choice {
+        value,
+        name: value.name(),
+        off: None,
+        tooltip: match value {
+            Technique::Linear => "Uniform steps between entering and leaving the box. Wrong by up to a step.",
+            Technique::LinearBinary => {
+                "Uniform steps, then halvings of the last one. Misses what is thinner than a step."
+            }
+            Technique::MaxMipmap => "Exact: skips along a pyramid of maxima and meets the bilinear surface itself.",
+        },
+    });
+    let tooltip = "How a ray finds the ground. Each technique is a pipeline of its own, built on first use.";
+    choose(ui, &mut march.technique, &choices, "Technique", tooltip, None);
+}
+
+fn samples(ui: &mut Ui, march: &mut MarchSettings) {
+    let exact = !march.technique.samples_uniformly();
+    let fixed = !exact && !march.steps_by_angle;
+    let tooltip = "Steps of a ray that looks straight down. More are slower and miss less.";
+    let fewest = Number::new("Fewest samples", tooltip).logarithmic();
+    fewest
+        .disabled_when(fixed, "every ray takes the most samples unless their number depends on the angle")
+        .disabled_when(exact, EXACT)
+        .slider(ui, &mut march.samples_min, 1..=4096);
+    let tooltip = "Steps of a horizontal ray, or of every ray without steps by angle. Time grows with it.";
+    let most = Number::new("Most samples", tooltip).logarithmic();
+    most.disabled_when(exact, EXACT).slider(ui, &mut march.samples_max, 1..=4096);
+    ui.add_enabled_ui(!exact, |ui| {
+        let tooltip = "Steep rays take fewer steps than flat ones. Saves time where it is safe.";
+        let box_ = ui.checkbox(&mut march.steps_by_angle, "Steps by angle").on_hover_text(tooltip);
+        box_.on_disabled_hover_text(format!("{tooltip}\n\nNot in use: {EXACT}"));
+    });
+    let tooltip =
+        "Halvings of the step that went below the ground; 0 is off. Each costs one sample and halves the error.";
+    Number::new("Halvings", tooltip)
+        .disabled_when(march.technique == Technique::Linear, "linear takes the first sample below the ground")
+        .disabled_when(exact, EXACT)
+        .slider(ui, &mut march.binary_steps, 0..=24);
+}
+
+fn filter(ui: &mut Ui, march: &mut MarchSettings, hardware: bool) {
+    let unfiltered = (!hardware).then_some("this adapter cannot filter 32-bit float textures");
+    let choices = [
+        Choice {
+            value: HeightFilter::Exact,
+            name: "exact",
+            tooltip: "Four loads, interpolated in 32 bits: the surface itself. The slowest of the three.",
+            off: None,
+        },
+        Choice {
+            value: HeightFilter::HardwareLinear,
+            name: "hardware-linear",
+            tooltip: "The sampler's filter: fast, but its weights have 8 bits, which shows as stairs near the eye.",
+            off: unfiltered,
+        },
+        Choice {
+            value: HeightFilter::Nearest,
+            name: "nearest",
+            tooltip: "The nearest sample: a field of boxes. The fastest.",
+            off: None,
+        },
+    ];
+    let off = (!march.technique.samples_uniformly()).then_some(EXACT);
+    let tooltip = "How a height between the samples of the map is read.";
+    choose(ui, &mut march.filter, &choices, "Height filter", tooltip, off);
+}

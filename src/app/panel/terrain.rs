@@ -1,0 +1,44 @@
+//! The height map: what it is, its proportion, and opening another one.
+
+use std::path::PathBuf;
+
+use egui::Ui;
+
+use super::Panel;
+use super::widgets::{Number, button, button_unless, fact, section, text};
+use crate::app::settings::Command;
+use crate::scene::TerrainSettings;
+
+pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
+    let reset = "Gives the terrain its own proportion again. The map stays. Free.";
+    section(ui, "Terrain", true, Some(reset), |ui, reset| {
+        let Panel { scene, view, facts, commands, .. } = panel;
+        if reset {
+            scene.terrain = TerrainSettings { file: scene.terrain.file.take(), ..TerrainSettings::default() };
+        }
+        fact(ui, "Map", facts.title.as_str());
+        fact(ui, "Samples", format!("{} × {}", facts.samples[0], facts.samples[1]));
+        fact(ui, "Heights", format!("{:.1} to {:.1}", facts.range[0], facts.range[1]));
+        if let Some([east, south]) = facts.extent_metres {
+            fact(ui, "Extent", format!("{:.2} × {:.2} km", east / 1000.0, south / 1000.0));
+        }
+        let mut scale = scene.terrain.height_scale.unwrap_or(facts.true_height_scale);
+        let tooltip = "Height of the terrain's box; its longer horizontal side is 1. \
+                       Taller boxes have longer rays, which costs steps.";
+        if Number::new("Height scale", tooltip).decimals(4).logarithmic().slider(ui, &mut scale, 0.001..=2.0) {
+            scene.terrain.height_scale = Some(scale);
+        }
+        let tooltip = format!("Sets the height scale to the map's own, {:.4}. Free.", facts.true_height_scale);
+        if button(ui, "True proportion", &tooltip) {
+            scene.terrain.height_scale = None;
+        }
+        ui.separator();
+        let tooltip = "A height map to open: type its path here, or drop the file onto the window. \
+                       Loading and the pyramid of maxima take a moment; the old terrain stays until they are done.";
+        let entered = text(ui, &mut view.paths.terrain, "Terrain file", "path of a height map", tooltip);
+        let empty = view.paths.terrain.trim().is_empty().then_some("no path is given");
+        if button_unless(ui, "Open terrain", "Opens the file named above.", empty) || entered && empty.is_none() {
+            commands.push(Command::Open(PathBuf::from(view.paths.terrain.trim())));
+        }
+    });
+}

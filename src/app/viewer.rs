@@ -1,0 +1,400 @@
+//! The viewer's state, and what changes it besides keys and frames: commands, loading, shader reload, lost devices.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use glam::{DVec2, DVec3};
+use winit::event_loop::{ActiveEventLoop, EventLoopProxy};
+use winit::keyboard::ModifiersState;
+use winit::window::Window;
+
+use super::controls::{Fly, ground_below};
+use super::frame::FrameError;
+use super::graphics::Graphics;
+use super::loading::{Loader, Opened};
+use super::measure::{Meter, Steps};
+use super::redraw::{Next, Redraw};
+use super::settings::{Facts, PathFields, ViewSettings};
+use super::status::{StatusFile, Widget};
+use super::toasts::Toasts;
+use super::window::UserEvent;
+use super::{ViewerOptions, watch};
+use crate::camera::{Camera, NamedView};
+use crate::heightfield::HeightField;
+use crate::render::RenderError;
+use crate::scene::{CraterSettings, Scene};
+
+/// Saving a file makes several events; shaders are read once they have been quiet for so long.
+const SHADER_PAUSE: Duration = Duration::from_millis(120);
+
+/// A device lost again within this time is not worth another try.
+const RECOVERY_PAUSE: Duration = Duration::from_secs(5);
+
+/// What is known of mouse and keyboard beside the keys that fly.
+#[derive(Debug, Default)]
+pub(super) struct Pointer {
+    /// Where the cursor is, physical pixels of the window.
+    pub(super) cursor: Option<DVec2>,
+    /// The right button is down and looks around.
+    pub(super) dragging: bool,
+    /// The mouse is captured and looks around.
+    pub(super) captured: bool,
+    /// The cursor was over the panel or another part of egui.
+    pub(super) over_egui: bool,
+    /// Shift, Control, Alt.
+    pub(super) modifiers: ModifiersState,
+}
+
+/// The viewer behind its window.
+pub(crate) struct Viewer {
+    pub(super) window: Arc<Window>,
+    pub(super) egui: egui_winit::State,
+    pub(super) map: Arc<HeightField>,
+    pub(super) scene: Scene,
+    pub(super) view: ViewSettings,
+    pub(super) fly: Fly,
+    pub(super) facts: Facts,
+    pub(super) pointer: Pointer,
+    pub(super) toasts: Toasts,
+    pub(super) loader: Loader,
+    pub(super) redraw: Redraw,
+    pub(super) meter: Meter,
+    /// A line of text over the picture until a moment.
+    pub(super) hint: Option<(String, Instant)>,
+    /// The part of the window that the panel leaves free, points.
+    pub(super) free: egui::Rect,
+    /// What the kept picture shows.
+    pub(super) drawn: Option<Scene>,
+    /// The last scene that was drawn without an error.
+    pub(super) last_good: Option<Scene>,
+    /// "Preparing" has been on screen, so the first picture may take its time.
+    pub(super) prepared: bool,
+    /// The last turn of the occluder, while it spins.
+    pub(super) spun: Option<Instant>,
+    /// The window is covered.
+    pub(super) hidden: bool,
+    pub(super) frames: u64,
+    pub(super) wants_screenshot: bool,
+    /// The user wants to leave.
+    pub(super) quit: bool,
+    pub(super) widgets: Vec<Widget>,
+    pub(super) status: Option<StatusFile>,
+    pub(super) proxy: EventLoopProxy<UserEvent>,
+    pub(super) reload_at: Option<Instant>,
+    /// A screenshot is being written.
+    pub(super) saving: bool,
+    pub(super) screenshots: PathBuf,
+    recovered: Option<Instant>,
+    /// Whether the state differs from the status file's, and whether that said idle.
+    pub(super) reported: (bool, bool),
+    _watcher: Option<notify::RecommendedWatcher>,
+}
+
+impl Viewer {
+    /// A viewer for a hidden window.
+    pub(crate) fn new(
+        options: ViewerOptions,
+        window: Arc<Window>,
+        graphics: &Graphics,
+        event_loop: &ActiveEventLoop,
+        proxy: EventLoopProxy<UserEvent>,
+    ) -> Self {
+        let ctx = egui::Context::default();
+        ctx.set_theme(egui::Theme::Dark);
+        if options.status.is_some() {
+            ctx.enable_accesskit();
+        }
+        let limit = Some(graphics.gpu.capabilities.max_texture as usize);
+        let scale = Some(window.scale_factor() as f32);
+        let mut egui = egui_winit::State::new(ctx, egui::ViewportId::ROOT, &*window, scale, window.theme(), limit);
+        egui.init_accesskit(event_loop, &window, proxy.clone());
+        window.set_title(&format!("Relief: {}", options.title));
+
+        let watch_proxy = proxy.clone();
+        let watcher = watch::shaders(move || {
+            // Fails only when the event loop is gone, and with it whoever could be told.
+            let _ = watch_proxy.send_event(UserEvent::ShadersChanged);
+        });
+        let mut viewer = Self {
+            window,
+            egui,
+            facts: Facts::new(&options.map, options.title, &graphics.gpu),
+            map: options.map,
+            view: ViewSettings { paths: PathFields::of(&options.scene), ..ViewSettings::default() },
+            scene: options.scene,
+            fly: Fly::default(),
+            pointer: Pointer::default(),
+            toasts: Toasts::default(),
+            loader: Loader::default(),
+            redraw: Redraw::default(),
+            meter: Meter::default(),
+            hint: None,
+            free: egui::Rect::EVERYTHING,
+            drawn: None,
+            last_good: None,
+            prepared: false,
+            spun: None,
+            hidden: false,
+            frames: 0,
+            wants_screenshot: false,
+            quit: false,
+            widgets: Vec::new(),
+            status: options.status.map(StatusFile::new),
+            proxy,
+            reload_at: None,
+            saving: false,
+            screenshots: options.screenshots,
+            recovered: None,
+            reported: (true, false),
+            _watcher: watcher,
+        };
+        let size = viewer.extent();
+        let camera = *viewer.scene.camera.get_or_insert_with(|| NamedView::Start.camera(&viewer.map, size));
+        // A scene that looks from below the ground means it.
+        viewer.view.allow_below_ground = ground_below(&viewer.map, size, camera.eye).is_some_and(|y| camera.eye.y < y);
+        let now = Instant::now();
+        for warning in options.warnings {
+            viewer.toasts.warning(&warning, now);
+        }
+        viewer.redraw.invalidate();
+        viewer
+    }
+
+    /// The window.
+    pub(crate) fn window(&self) -> &Arc<Window> {
+        &self.window
+    }
+
+    /// The terrain as it was loaded.
+    pub(crate) fn map(&self) -> Arc<HeightField> {
+        self.map.clone()
+    }
+
+    /// Whether the user has asked to leave, by key; the window system asks for itself.
+    pub(crate) fn wants_to_quit(&self) -> bool {
+        self.quit
+    }
+
+    /// Whether frames wait for the screen.
+    pub(crate) fn vsync(&self) -> bool {
+        self.view.vsync
+    }
+
+    /// Size of the terrain's box, world units.
+    pub(super) fn extent(&self) -> DVec3 {
+        self.map.box_size(self.scene.terrain.height_scale)
+    }
+
+    /// The eye; the scene of a running viewer always has one.
+    pub(super) fn camera(&self) -> Camera {
+        self.scene.camera.unwrap_or_else(|| NamedView::Start.camera(&self.map, self.extent()))
+    }
+
+    /// When the event loop has to come back.
+    pub(crate) fn next(&self, now: Instant) -> Next {
+        let size = self.window.inner_size();
+        let frame = if self.hidden || size.width == 0 || size.height == 0 {
+            Next::Never
+        } else {
+            self.redraw.next(now, self.fly.is_moving() || self.spins(), self.view.frame_limit)
+        };
+        let reload = self.reload_at.map_or(Next::Never, Next::At);
+        frame.or(reload).or(self.meter.next(now, self.measures_steps()))
+    }
+
+    /// Whether steps per ray are wanted, and there is a picture to measure them for.
+    pub(super) fn measures_steps(&self) -> bool {
+        self.view.measure_steps && self.drawn.is_some()
+    }
+
+    /// Whether the occluder turns.
+    pub(super) fn spins(&self) -> bool {
+        self.scene.occluder.enabled && self.scene.occluder.spin != 0.0
+    }
+
+    /// The last measurement of steps per ray, while they are measured.
+    pub(super) fn steps(&self) -> Option<Steps> {
+        self.meter.steps.filter(|_| self.view.measure_steps)
+    }
+
+    /// Looks for what has happened meanwhile: loaded maps, frame times, saved shaders.
+    pub(crate) fn poll(&mut self, graphics: &mut Graphics, now: Instant) -> Result<(), FrameError> {
+        if let Some(lost) = graphics.gpu.lost() {
+            return Err(FrameError::Lost(lost));
+        }
+        if let Some(result) = self.loader.poll() {
+            self.redraw.invalidate();
+            match result {
+                Ok(opened) => self.adopt(graphics, opened, now)?,
+                Err(message) => self.toasts.error(&message),
+            }
+        }
+        if self.reload_at.is_some_and(|at| at <= now) {
+            self.reload_at = None;
+            self.reload_shaders(graphics, now)?;
+        }
+        if self.measures_steps() {
+            self.measure_steps(graphics, now)?;
+        }
+        // The numbers on screen are of the frame before.
+        if self.meter.collect_times(|| graphics.renderer.take_frame_time(), now)
+            && (self.view.overlay || self.view.panel)
+        {
+            self.redraw.invalidate();
+        }
+        Ok(())
+    }
+
+    fn measure_steps(&mut self, graphics: &mut Graphics, now: Instant) -> Result<(), FrameError> {
+        match self.meter.measure_steps(&mut graphics.renderer, &self.scene, graphics.target.size(), now) {
+            Ok(false) => return Ok(()),
+            Ok(true) => {}
+            Err(RenderError::DeviceLost(lost)) => return Err(FrameError::Lost(lost)),
+            Err(error) => {
+                self.view.measure_steps = false;
+                self.toasts.error(&format!("Steps per ray cannot be measured: {error}"));
+            }
+        }
+        self.redraw.invalidate();
+        Ok(())
+    }
+
+    /// Replaces the terrain. What belonged to the old one goes with it; when the new one cannot be used, all stays.
+    fn adopt(&mut self, graphics: &mut Graphics, opened: Opened, now: Instant) -> Result<(), FrameError> {
+        match graphics.renderer.set_terrain(opened.map.clone()) {
+            Ok(()) => {}
+            Err(RenderError::DeviceLost(lost)) => return Err(FrameError::Lost(lost)),
+            Err(error) => {
+                self.toasts.error(&format!("The old terrain stays: {error}"));
+                return Ok(());
+            }
+        }
+        self.map = opened.map;
+        self.scene.terrain.file = Some(opened.path);
+        self.scene.terrain.height_scale = None;
+        self.scene.craters.list.clear();
+        self.scene.occluder.position = None;
+        self.scene.camera = Some(NamedView::Start.camera(&self.map, self.extent()));
+        (self.drawn, self.last_good) = (None, None);
+        self.facts = Facts::new(&self.map, opened.title, &graphics.gpu);
+        self.view.paths = PathFields::of(&self.scene);
+        self.window.set_title(&format!("Relief: {}", self.facts.title));
+        self.toasts.info(&format!("Opened {}", self.facts.title), now);
+        for warning in opened.warnings {
+            self.toasts.warning(&warning, now);
+        }
+        Ok(())
+    }
+
+    fn reload_shaders(&mut self, graphics: &mut Graphics, now: Instant) -> Result<(), FrameError> {
+        self.redraw.invalidate();
+        match graphics.renderer.reload_shaders() {
+            Ok(()) => {
+                self.drawn = None;
+                self.toasts.dismiss_errors();
+                self.toasts.info("Shaders reloaded", now);
+            }
+            Err(RenderError::DeviceLost(lost)) => return Err(FrameError::Lost(lost)),
+            Err(error) => self.toasts.error(&format!("The old shaders stay. {error}")),
+        }
+        Ok(())
+    }
+
+    /// What another thread told.
+    pub(crate) fn user_event(&mut self, event: UserEvent, now: Instant) {
+        use egui_winit::accesskit_winit::WindowEvent as Access;
+        self.redraw.invalidate();
+        match event {
+            UserEvent::Accessibility(event) => match event.window_event {
+                Access::InitialTreeRequested => self.egui.egui_ctx().enable_accesskit(),
+                Access::ActionRequested(request) => self.egui.on_accesskit_action_request(request),
+                Access::AccessibilityDeactivated if self.status.is_none() => self.egui.egui_ctx().disable_accesskit(),
+                Access::AccessibilityDeactivated => {}
+            },
+            // The map itself is fetched by `poll`.
+            UserEvent::Loaded => {}
+            UserEvent::ShadersChanged => self.reload_at = Some(now + SHADER_PAUSE),
+            UserEvent::Screenshot(result) => {
+                self.saving = false;
+                match result {
+                    Ok(path) => self.toasts.info(&format!("Saved {} and its scene", path.display()), now),
+                    Err(message) => self.toasts.error(&message),
+                }
+            }
+        }
+    }
+
+    /// Whether a lost device is worth another try.
+    pub(crate) fn may_recover(&mut self, now: Instant) -> bool {
+        let recently = self.recovered.is_some_and(|at| now.saturating_duration_since(at) < RECOVERY_PAUSE);
+        self.recovered = Some(now);
+        !recently
+    }
+
+    /// Goes on with a new device.
+    pub(crate) fn recovered(&mut self, graphics: &Graphics, lost: &str) {
+        let title = std::mem::take(&mut self.facts.title);
+        self.facts = Facts::new(&self.map, title, &graphics.gpu);
+        (self.drawn, self.meter) = (None, Meter::default());
+        send_textures_again(self.egui.egui_ctx());
+        let message = format!("The GPU device was lost ({lost}) and has been set up again.");
+        self.toasts.warning(&message, Instant::now());
+        self.redraw.invalidate();
+    }
+}
+
+/// Makes egui send its textures whole: a new device has none of them. New fonts are the only way to ask for that, so
+/// a font family that nobody uses is added.
+fn send_textures_again(ctx: &egui::Context) {
+    let mut fonts = egui::FontDefinitions::default();
+    let unused = egui::FontFamily::Name(format!("device {}", ctx.cumulative_pass_nr()).into());
+    let same = fonts.families.get(&egui::FontFamily::Proportional).cloned().unwrap_or_default();
+    fonts.families.insert(unused, same);
+    ctx.set_fonts(fonts);
+}
+
+/// The part of a scene that its picture depends on: the brush of the next crater and the speed of the spin do not show.
+pub(super) fn visible_part(scene: &Scene) -> Scene {
+    let CraterSettings { radius, depth, rim, .. } = CraterSettings::default();
+    let mut scene = scene.clone();
+    (scene.craters.radius, scene.craters.depth, scene.craters.rim) = (radius, depth, rim);
+    scene.occluder.spin = 0.0;
+    scene
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// After a lost device the panel would be blank if egui only sent what changed.
+    #[test]
+    fn a_new_device_gets_the_font_texture_whole() {
+        let ctx = egui::Context::default();
+        let textures = |ctx: &egui::Context| {
+            let mut output = ctx.run_ui(egui::RawInput::default(), |ui| {
+                ui.label("text");
+            });
+            let whole = output.textures_delta.set.values().flatten().any(egui::epaint::ImageDelta::is_whole);
+            output.textures_delta.clear();
+            whole
+        };
+        assert!(textures(&ctx));
+        assert!(!textures(&ctx));
+        for _ in 0..2 {
+            send_textures_again(&ctx);
+            assert!(textures(&ctx));
+            assert!(!textures(&ctx));
+        }
+    }
+
+    #[test]
+    fn the_brush_is_no_part_of_the_picture() {
+        let mut scene = Scene::default();
+        scene.craters.radius = 0.2;
+        scene.occluder.spin = 5.0;
+        assert_eq!(visible_part(&scene), visible_part(&Scene::default()));
+        scene.craters.list.push(scene.craters.brush_at(0.5, 0.5));
+        assert_ne!(visible_part(&scene), visible_part(&Scene::default()));
+    }
+}

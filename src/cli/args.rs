@@ -1,0 +1,219 @@
+//! The command line's grammar. Its help is the reference, so every option says its unit and its default.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand};
+use clap_complete::Shell;
+use glam::DVec3;
+
+use super::parse;
+use crate::camera::NamedView;
+use crate::heightfield::generate::Kind;
+use crate::scene::{CraterMode, DebugView, HeightFilter, Technique};
+
+const EXAMPLES: &str = "\
+Examples:
+  relief                                        fly over the Grand Canyon
+  relief alps.png                               fly over any greyscale PNG
+  relief render -o canyon.png --view valley     one picture, no window
+  relief render alps.png -o alps.png --eye 0.5,0.6,1.4 --target 0.5,0,0.5 --size 1920x1080
+  relief generate ridged --size 1024 --seed 7 -o ridged.png
+
+Exit codes:
+  0 done   1 failed   2 usage   3 bad input   4 no usable GPU adapter";
+
+const RENDER_EXAMPLES: &str = "\
+Examples:
+  relief render -o start.png                               the Grand Canyon's start view
+  relief render -o far.png --view horizon --technique linear-binary --samples 128..512
+  relief render -o out.png --depth out.exr --stats out.json --frames 20
+  relief render map.png -o out.png --scene screenshot.toml --debug steps
+  relief render -o holes.png --crater 0.4,0.5 --crater 0.6,0.5,0.05,0.4,0.1
+
+Defaults come first, then the scene file, then the options given here.";
+
+/// Flies over height maps without a mesh: a fragment shader casts one ray per pixel through a unit cube.
+#[derive(Debug, Parser)]
+#[command(name = "relief", version, after_help = EXAMPLES, args_conflicts_with_subcommands = true, max_term_width = 110)]
+pub(crate) struct Cli {
+    #[command(subcommand)]
+    pub(crate) command: Option<Command>,
+    #[command(flatten)]
+    pub(crate) view: ViewArgs,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Open the viewer (the same as no command)
+    View(Box<ViewArgs>),
+    /// Draw one picture without a window
+    #[command(after_help = RENDER_EXAMPLES)]
+    Render(Box<RenderArgs>),
+    /// Say what a height map holds
+    Info(InfoArgs),
+    /// Make a height map
+    Generate(GenerateArgs),
+    /// Print a shell's completion script
+    #[command(after_help = "Example:\n  relief completions bash > ~/.local/share/bash-completion/completions/relief")]
+    Completions {
+        /// The shell
+        shell: Shell,
+    },
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ViewArgs {
+    #[command(flatten)]
+    pub(crate) scene: SceneArgs,
+    /// Size of the window in pixels [default: 1280x800 points]
+    #[arg(long, value_name = "WxH", value_parser = parse::size)]
+    pub(crate) size: Option<[u32; 2]>,
+    /// Folder for screenshots (F12)
+    #[arg(long, value_name = "DIR", default_value = ".")]
+    pub(crate) screenshots: PathBuf,
+    /// Where the start view goes when there is no display
+    #[arg(short, long, value_name = "FILE", default_value = "relief-view.png")]
+    pub(crate) output: PathBuf,
+    /// Writes the viewer's state as JSON after every frame, for automated tests
+    #[arg(long, value_name = "FILE")]
+    pub(crate) status: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct RenderArgs {
+    #[command(flatten)]
+    pub(crate) scene: SceneArgs,
+    /// The picture, a PNG
+    #[arg(short, long, value_name = "OUT.png", help_heading = "Output")]
+    pub(crate) output: PathBuf,
+    /// Size of the picture in pixels
+    #[arg(long, value_name = "WxH", value_parser = parse::size, default_value = "1280x800", help_heading = "Output")]
+    pub(crate) size: [u32; 2],
+    /// Also write the distance from the eye, in world units, +inf for sky: an EXR with one 32-bit float channel, Y
+    #[arg(long, value_name = "OUT.exr", help_heading = "Output")]
+    pub(crate) depth: Option<PathBuf>,
+    /// Also write adapter, frame times, steps per ray and the ledger of passes, pipelines and textures
+    #[arg(long, value_name = "OUT.json", help_heading = "Output")]
+    pub(crate) stats: Option<PathBuf>,
+    /// Frames to time for --stats, after two to warm up
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000), default_value_t = 1,
+        help_heading = "Output")]
+    pub(crate) frames: u32,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct InfoArgs {
+    /// The height map
+    #[arg(value_parser = parse::input_file())]
+    pub(crate) file: PathBuf,
+    /// Print JSON: width, height, sample_type, min, max, nodata_fraction, crs, metres_per_sample, extent_metres
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct GenerateArgs {
+    /// The kind of landscape
+    #[arg(value_enum)]
+    pub(crate) kind: Kind,
+    /// Samples along each side
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=16384), default_value_t = 1024)]
+    pub(crate) size: u32,
+    /// The same seed makes the same landscape
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    pub(crate) seed: u64,
+    /// The height map, a 16-bit greyscale PNG
+    #[arg(short, long, value_name = "OUT.png")]
+    pub(crate) output: PathBuf,
+}
+
+/// What to show. Everything left out comes from the scene file, and then from the defaults.
+#[derive(Debug, Default, Args)]
+pub(crate) struct SceneArgs {
+    /// The height map: a greyscale PNG, 8 or 16 bits [default: the scene's, else the Grand Canyon, which is built in]
+    #[arg(value_parser = parse::input_file())]
+    pub(crate) file: Option<PathBuf>,
+    /// A scene file (TOML); relative paths in it are relative to its folder
+    #[arg(long, value_name = "SCENE.toml", value_parser = parse::input_file(), help_heading = "Scene")]
+    pub(crate) scene: Option<PathBuf>,
+    /// Height of the terrain in world units; its longer side is 1 [default: the map's own proportion, else 0.25]
+    #[arg(long, value_name = "S", value_parser = parse::height_scale, allow_negative_numbers = true, help_heading = "Scene")]
+    pub(crate) height_scale: Option<f64>,
+
+    /// A view to start from [default: start]
+    #[arg(long, value_name = "VIEW", value_enum, conflicts_with_all = ["eye", "target"], help_heading = "Camera")]
+    pub(crate) view: Option<NamedView>,
+    /// Where the eye is, world units: x east, y up, z south; the terrain's corner is at 0,0,0
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse::point, allow_hyphen_values = true, help_heading = "Camera")]
+    pub(crate) eye: Option<DVec3>,
+    /// The point the eye looks at, world units [default with --eye: the middle of the terrain]
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse::point, allow_hyphen_values = true, help_heading = "Camera")]
+    pub(crate) target: Option<DVec3>,
+    /// Vertical field of view in degrees [default: 60]
+    #[arg(long, value_name = "DEGREES", value_parser = parse::fov, allow_negative_numbers = true, help_heading = "Camera")]
+    pub(crate) fov: Option<f64>,
+
+    /// How rays meet the ground [default: max-mipmap]
+    #[arg(long, value_name = "NAME", value_enum, help_heading = "Ray marching")]
+    pub(crate) technique: Option<Technique>,
+    /// Steps of linear and linear-binary, looking down..along the ground; one number: the same for all [default: 128..512]
+    #[arg(long, value_name = "MIN..MAX", value_parser = parse::samples, allow_hyphen_values = true,
+        help_heading = "Ray marching")]
+    pub(crate) samples: Option<[u32; 2]>,
+    /// Give every ray the most steps, whatever its angle
+    #[arg(long, help_heading = "Ray marching")]
+    pub(crate) fixed_steps: bool,
+    /// Halvings of the last step of linear-binary; 0 is off [default: 8]
+    #[arg(long, value_name = "N", value_parser = parse::halvings(), help_heading = "Ray marching")]
+    pub(crate) binary_steps: Option<u32>,
+    /// How linear and linear-binary read heights between samples [default: exact]
+    #[arg(long, value_name = "FILTER", value_enum, help_heading = "Ray marching")]
+    pub(crate) filter: Option<HeightFilter>,
+    /// Start rays at the lid of the box, not at the height of the highest terrain
+    #[arg(long, help_heading = "Ray marching")]
+    pub(crate) no_lower_start: bool,
+    /// Show the ground's colour where rays miss: no silhouette
+    #[arg(long, help_heading = "Ray marching")]
+    pub(crate) no_discard: bool,
+
+    /// Plain grey ground
+    #[arg(long, conflicts_with_all = ["texture", "repeats"], help_heading = "Looks")]
+    pub(crate) no_texture: bool,
+    /// An image to drape over the ground [default: colours made from height and slope]
+    #[arg(long, value_name = "IMAGE", value_parser = parse::input_file(), help_heading = "Looks")]
+    pub(crate) texture: Option<PathBuf>,
+    /// How often the texture repeats along each side [default: 1]
+    #[arg(long, value_name = "N", value_parser = parse::repeats, allow_negative_numbers = true, help_heading = "Looks")]
+    pub(crate) repeats: Option<f32>,
+    /// No lighting, and no normals computed for it
+    #[arg(long, help_heading = "Looks")]
+    pub(crate) no_lighting: bool,
+    /// The sun's compass direction and height, degrees [default: 300,32]
+    #[arg(long, value_name = "AZIMUTH,ELEVATION", value_parser = parse::sun, allow_hyphen_values = true,
+        help_heading = "Looks")]
+    pub(crate) sun: Option<[f32; 2]>,
+    /// A flat background instead of the sky
+    #[arg(long, help_heading = "Looks")]
+    pub(crate) no_skybox: bool,
+    /// A bright cube that hides hills and is hidden by them
+    #[arg(long, help_heading = "Looks")]
+    pub(crate) occluder: bool,
+    /// The same cube with its centre here, world units
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse::point, allow_hyphen_values = true, help_heading = "Looks")]
+    pub(crate) occluder_at: Option<DVec3>,
+
+    /// A crater at x,z (world units) with radius (world units), depth and rim (shares of the terrain's height); repeatable
+    #[arg(long = "crater", value_name = "X,Z[,RADIUS[,DEPTH[,RIM]]]", value_parser = parse::crater,
+        allow_hyphen_values = true, help_heading = "Craters")]
+    pub(crate) craters: Vec<parse::CraterSpec>,
+    /// How craters deform the ground [default: baked]
+    #[arg(long, value_name = "MODE", value_enum, help_heading = "Craters")]
+    pub(crate) crater_mode: Option<CraterMode>,
+
+    /// Show this instead of the shaded ground [default: none]
+    #[arg(long, value_name = "VIEW", value_enum, help_heading = "Debugging")]
+    pub(crate) debug: Option<DebugView>,
+    /// Draw the edges of the terrain's box
+    #[arg(long, help_heading = "Debugging")]
+    pub(crate) wireframe: bool,
+}

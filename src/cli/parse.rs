@@ -1,0 +1,210 @@
+//! Values of options: text in, a checked value or a message out.
+
+use std::path::PathBuf;
+use std::str::FromStr;
+
+use clap::builder::{RangedU64ValueParser, TypedValueParser, ValueParser};
+use glam::DVec3;
+
+use crate::heightfield::Crater;
+use crate::scene::CraterSettings;
+use crate::scene_file::{FARTHEST, MOST_HALVINGS, MOST_SAMPLES};
+
+/// A crater as far as the command line gives it: the brush of the scene fills in the rest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct CraterSpec {
+    x: f64,
+    z: f64,
+    radius: Option<f64>,
+    depth: Option<f64>,
+    rim: Option<f64>,
+}
+
+impl CraterSpec {
+    /// The crater, completed by the scene's brush.
+    pub(crate) fn complete(self, settings: &CraterSettings) -> Crater {
+        let brush = settings.brush_at(self.x, self.z);
+        Crater {
+            radius: self.radius.unwrap_or(brush.radius),
+            depth: self.depth.unwrap_or(brush.depth),
+            rim: self.rim.unwrap_or(brush.rim),
+            ..brush
+        }
+    }
+}
+
+/// A file to read. `-` would mean standard input elsewhere; here it is a mistake.
+pub(crate) fn input_file() -> ValueParser {
+    let parser = clap::builder::PathBufValueParser::new().try_map(|path: PathBuf| {
+        if path.as_os_str() == "-" { Err("standard input cannot be read; give the name of a file") } else { Ok(path) }
+    });
+    ValueParser::new(parser)
+}
+
+/// `1280x800`.
+pub(crate) fn size(text: &str) -> Result<[u32; 2], String> {
+    let (width, height) = text.split_once(['x', 'X', '×']).ok_or("expected WIDTHxHEIGHT, such as 1280x800")?;
+    let side = |name: &str, text: &str| match text.parse::<u32>() {
+        Ok(0) => Err(format!("the {name} is 0, but a picture has at least 1 pixel")),
+        Ok(side) => Ok(side),
+        Err(_) => Err(format!("the {name} `{text}` is not a whole number of pixels")),
+    };
+    Ok([side("width", width)?, side("height", height)?])
+}
+
+/// `128..512`, or one number for both.
+pub(crate) fn samples(text: &str) -> Result<[u32; 2], String> {
+    let (min, max) = text.split_once("..").unwrap_or((text, text));
+    let count = |text: &str| match text.trim().parse::<u32>() {
+        Ok(count @ 1..=MOST_SAMPLES) => Ok(count),
+        Ok(count) => Err(format!("{count} is not between 1 and {MOST_SAMPLES}")),
+        Err(_) => Err(format!("`{text}` is not a whole number; expected MIN..MAX, such as 128..512")),
+    };
+    match [count(min)?, count(max)?] {
+        [min, max] if min > max => Err(format!("MIN ({min}) is above MAX ({max}); write {max}..{min}")),
+        range => Ok(range),
+    }
+}
+
+/// Halvings after the linear search.
+pub(crate) fn halvings() -> RangedU64ValueParser<u32> {
+    RangedU64ValueParser::new().range(0..=u64::from(MOST_HALVINGS))
+}
+
+/// `x,y,z` in world units.
+pub(crate) fn point(text: &str) -> Result<DVec3, String> {
+    match numbers::<f64>(text)?.as_slice() {
+        &[x, y, z] if DVec3::new(x, y, z).abs().max_element() <= FARTHEST => Ok(DVec3::new(x, y, z)),
+        &[_, _, _] => Err(format!("farther than {FARTHEST} from the origin, where no terrain can be seen")),
+        other => Err(format!("expected three numbers x,y,z, found {}", other.len())),
+    }
+}
+
+/// The sun's azimuth and elevation in degrees.
+pub(crate) fn sun(text: &str) -> Result<[f32; 2], String> {
+    match numbers::<f32>(text)?.as_slice() {
+        &[azimuth, elevation] if azimuth.abs() <= 360.0 && elevation.abs() <= 90.0 => Ok([azimuth, elevation]),
+        &[_, _] => Err(String::from("the azimuth is within -360 and 360 degrees, the elevation within -90 and 90")),
+        other => Err(format!("expected two numbers azimuth,elevation, found {}", other.len())),
+    }
+}
+
+/// `x,z[,radius[,depth[,rim]]]`.
+pub(crate) fn crater(text: &str) -> Result<CraterSpec, String> {
+    let numbers = numbers::<f64>(text)?;
+    let (&[x, z], rest) = numbers.split_at_checked(2).ok_or("expected at least two numbers x,z")? else {
+        return Err(String::from("expected at least two numbers x,z"));
+    };
+    if x.abs().max(z.abs()) > FARTHEST {
+        return Err(format!("farther than {FARTHEST} from the origin, where there is no ground"));
+    }
+    if rest.len() > 3 {
+        return Err(format!("expected at most x,z,radius,depth,rim, found {} numbers", numbers.len()));
+    }
+    let spec =
+        CraterSpec { x, z, radius: rest.first().copied(), depth: rest.get(1).copied(), rim: rest.get(2).copied() };
+    if spec.radius.is_some_and(|radius| radius <= 0.0 || radius > 10.0) {
+        return Err(String::from("the radius is more than 0 and at most 10 world units"));
+    }
+    if rest.iter().skip(1).any(|share| !(0.0..=10.0).contains(share)) {
+        return Err(String::from("depth and rim are shares of the terrain's height, 0 to 10"));
+    }
+    Ok(spec)
+}
+
+/// Height of the box in world units.
+pub(crate) fn height_scale(text: &str) -> Result<f64, String> {
+    in_range(text, |scale| scale > 0.0 && scale <= 1000.0, "more than 0 and at most 1000")
+}
+
+/// Vertical field of view in degrees.
+pub(crate) fn fov(text: &str) -> Result<f64, String> {
+    in_range(text, |fov| fov > 0.0 && fov < 180.0, "more than 0 and less than 180 degrees")
+}
+
+/// Repeats of the diffuse texture.
+pub(crate) fn repeats(text: &str) -> Result<f32, String> {
+    in_range(text, |repeats: f32| repeats > 0.0 && repeats <= 4096.0, "more than 0 and at most 4096")
+}
+
+fn in_range<T: Number>(text: &str, valid: impl Fn(T) -> bool, range: &str) -> Result<T, String> {
+    let value = number::<T>(text)?;
+    if valid(value) { Ok(value) } else { Err(format!("must be {range}")) }
+}
+
+/// What this module reads: `f32` and `f64`.
+trait Number: FromStr + Copy {
+    fn finite(self) -> bool;
+}
+
+impl Number for f32 {
+    fn finite(self) -> bool {
+        self.is_finite()
+    }
+}
+
+impl Number for f64 {
+    fn finite(self) -> bool {
+        self.is_finite()
+    }
+}
+
+fn number<T: Number>(text: &str) -> Result<T, String> {
+    match text.trim().parse::<T>() {
+        Ok(value) if value.finite() => Ok(value),
+        Ok(_) => Err(format!("`{text}` is not finite")),
+        Err(_) => Err(format!("`{text}` is not a number")),
+    }
+}
+
+fn numbers<T: Number>(text: &str) -> Result<Vec<T>, String> {
+    text.split(',').map(number).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes() {
+        assert_eq!(size("1280x800"), Ok([1280, 800]));
+        for wrong in ["0x5", "5x0", "5", "x", "5x", "-5x5", "5.5x5", "99999999999x1"] {
+            assert!(size(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn sample_ranges() {
+        assert_eq!(samples("128..512"), Ok([128, 512]));
+        assert_eq!(samples("300"), Ok([300, 300]));
+        for wrong in ["0..5", "5..4", "..", "5..", "-1..4", "1..99999999", "a..b"] {
+            assert!(samples(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn points_are_three_finite_numbers() {
+        assert_eq!(point("-0.35, 0.2,1"), Ok(DVec3::new(-0.35, 0.2, 1.0)));
+        for wrong in ["1,2", "1,2,3,4", "1,2,nan", "inf,0,0", "1e400,0,0", "1e7,0,0", "a,b,c", ""] {
+            assert!(point(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn a_crater_takes_what_is_left_out_from_the_brush() {
+        let settings = CraterSettings::default();
+        assert_eq!(crater("0.5,0.25").unwrap().complete(&settings), settings.brush_at(0.5, 0.25));
+        let full = crater("0.5,0.25,0.1,0.2,0.3").unwrap().complete(&settings);
+        assert_eq!((full.radius, full.depth, full.rim), (0.1, 0.2, 0.3));
+        for wrong in ["0.5", "0.5,0.5,0", "0.5,0.5,0.1,-1", "0.5,0.5,0.1,0.1,0.1,0.1", "0.5,nan"] {
+            assert!(crater(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn scales_and_angles_have_ends() {
+        assert!(height_scale("-0.1").is_err() && height_scale("0").is_err() && height_scale("0.2").is_ok());
+        assert!(fov("0").is_err() && fov("180").is_err() && fov("NaN").is_err() && fov("60").is_ok());
+        assert!(sun("10").is_err() && sun("10,91").is_err() && sun("300,32").is_ok());
+    }
+}

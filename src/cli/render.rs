@@ -1,0 +1,273 @@
+//! `relief render`: one picture without a window, and what it cost.
+
+use std::io::Cursor;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use image::ImageEncoder;
+use image::codecs::png::{CompressionType, FilterType, PngEncoder};
+use serde::Serialize;
+
+use super::args::RenderArgs;
+use super::failure::{Exit, Failure};
+use super::output::Output;
+use super::progress::Progress;
+use super::terrain::{self, Source};
+use crate::gpu::{Gpu, Target};
+use crate::heightfield::HeightField;
+use crate::render::{Ledger, Probe, RenderError, Renderer};
+use crate::scene::Scene;
+
+/// Frames drawn before any is timed: a driver compiles shaders in the first.
+const WARM_UP: u32 = 2;
+
+pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
+    let outputs = Outputs::prepare(args)?;
+    let mut scene = terrain::compose(&args.scene)?;
+    outputs.spare_the_inputs(&scene, args.scene.scene.as_deref())?;
+    let (gpu, map) = Source::of(&scene).load_for_gpu()?;
+    terrain::check_size(args.size, gpu.capabilities.max_texture)?;
+    let map = map.field;
+    terrain::place_camera(&args.scene, &mut scene, &map)?;
+
+    let progress = Progress::start("drawing");
+    let mut easel = Easel::new(gpu, scene, map, args.size)?;
+    let times = if args.stats.is_some() { easel.timed_frames(args.frames)? } else { easel.frame()? };
+    let picture = easel.png()?;
+    let ledger = easel.renderer.ledger().clone();
+    let probe = match (&outputs.depth, &outputs.stats) {
+        (None, None) => None,
+        _ => Some(easel.renderer.probe(&easel.scene, args.size)?),
+    };
+    drop(progress);
+
+    outputs.picture.write(&picture)?;
+    if let (Some(output), Some(probe)) = (&outputs.depth, &probe) {
+        output.write(&exr_of(probe)?)?;
+    }
+    if let (Some(output), Some(probe)) = (&outputs.stats, &probe) {
+        output.write(&Stats::new(&easel.gpu, times, probe, &ledger).to_json()?)?;
+    }
+    Ok(())
+}
+
+/// Draws the view that `scene` opens with and writes it: what the viewer does without a display.
+pub(crate) fn picture(
+    gpu: Arc<Gpu>,
+    scene: Scene,
+    map: HeightField,
+    size: [u32; 2],
+    to: &Output,
+) -> Result<(), Failure> {
+    let progress = Progress::start("drawing");
+    let mut easel = Easel::new(gpu, scene, map, size)?;
+    easel.frame()?;
+    let picture = easel.png()?;
+    drop(progress);
+    to.write(&picture)
+}
+
+/// The files of one call.
+struct Outputs {
+    picture: Output,
+    depth: Option<Output>,
+    stats: Option<Output>,
+}
+
+impl Outputs {
+    /// Checks that each can be written and that they are different files.
+    fn prepare(args: &RenderArgs) -> Result<Self, Failure> {
+        let optional = |path: &Option<_>| path.as_deref().map(Output::prepare).transpose();
+        let outputs = Self {
+            picture: Output::prepare(&args.output)?,
+            depth: optional(&args.depth)?,
+            stats: optional(&args.stats)?,
+        };
+        let all: Vec<&Output> = outputs.all().collect();
+        for (index, output) in all.iter().enumerate() {
+            if let Some(twin) = all.iter().skip(index + 1).find(|other| output.same_file(other.path())) {
+                return Err(Failure::usage(format!("two outputs have the name {}", twin.path().display()))
+                    .line("The second would replace the first.")
+                    .line("Give -o, --depth and --stats different names."));
+            }
+        }
+        Ok(outputs)
+    }
+
+    fn all(&self) -> impl Iterator<Item = &Output> {
+        [Some(&self.picture), self.depth.as_ref(), self.stats.as_ref()].into_iter().flatten()
+    }
+
+    /// Refuses to replace a file that the picture is made from.
+    fn spare_the_inputs(&self, scene: &Scene, scene_file: Option<&Path>) -> Result<(), Failure> {
+        let faces = scene.skybox.faces.iter().flatten();
+        let files = scene.terrain.file.iter().chain(&scene.diffuse.file).chain(faces).map(PathBuf::as_path);
+        for input in files.chain(scene_file) {
+            if self.all().any(|output| output.same_file(input)) {
+                return Err(Failure::usage(format!("{} is an input and an output", input.display()))
+                    .line("It would be lost.")
+                    .line("Give the output another name."));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A renderer with its scene and its canvas.
+struct Easel {
+    gpu: Arc<Gpu>,
+    renderer: Renderer,
+    target: Target,
+    scene: Scene,
+}
+
+impl Easel {
+    fn new(gpu: Arc<Gpu>, scene: Scene, map: HeightField, size: [u32; 2]) -> Result<Self, Failure> {
+        let mut renderer = Renderer::new(Arc::clone(&gpu))?;
+        renderer.set_terrain(Arc::new(map))?;
+        let target = Target::new(&gpu, size);
+        Ok(Self { gpu, renderer, target, scene })
+    }
+
+    /// Draws one frame, untimed.
+    fn frame(&mut self) -> Result<Vec<f64>, Failure> {
+        self.renderer.draw(&self.scene, &self.target)?;
+        Ok(Vec::new())
+    }
+
+    /// Warms up, draws `count` frames and returns their times in milliseconds.
+    fn timed_frames(&mut self, count: u32) -> Result<Vec<f64>, Failure> {
+        for _ in 0..WARM_UP {
+            self.frame()?;
+            self.renderer.wait_frame_time()?;
+        }
+        let mut times = Vec::new();
+        for _ in 0..count {
+            self.frame()?;
+            times.push(self.renderer.wait_frame_time()?);
+        }
+        Ok(times)
+    }
+
+    /// The picture as a PNG without time stamps: the same picture gives the same bytes.
+    fn png(&self) -> Result<Vec<u8>, Failure> {
+        let picture =
+            image::DynamicImage::ImageRgba8(self.target.read_color(&self.gpu).map_err(RenderError::from)?).into_rgb8();
+        let mut bytes = Vec::new();
+        PngEncoder::new_with_quality(&mut bytes, CompressionType::Default, FilterType::Adaptive)
+            .write_image(&picture, picture.width(), picture.height(), image::ExtendedColorType::Rgb8)
+            .map_err(|error| encoding_failed("the picture", &error))?;
+        Ok(bytes)
+    }
+}
+
+/// The distances as an EXR with the one channel `Y`, 32-bit float. Scan lines in increasing order: tiles would be
+/// stored in the order in which threads finish them.
+fn exr_of(probe: &Probe) -> Result<Vec<u8>, Failure> {
+    use exr::prelude::{Encoding, Image, LayerAttributes, SpecificChannels, WritableImage};
+    let [width, height] = probe.size.map(|side| side as usize);
+    let distance =
+        |at: exr::math::Vec2<usize>| (probe.distance.get(at.y() * width + at.x()).copied().unwrap_or(f32::INFINITY),);
+    let channels = SpecificChannels::build().with_channel::<f32>("Y").with_pixel_fn(distance);
+    let layer = exr::image::Layer::new((width, height), LayerAttributes::default(), Encoding::SMALL_LOSSLESS, channels);
+    let mut bytes = Cursor::new(Vec::new());
+    Image::from_layer(layer)
+        .write()
+        .to_buffered(&mut bytes)
+        .map_err(|error| encoding_failed("the distances", &error))?;
+    Ok(bytes.into_inner())
+}
+
+fn encoding_failed(what: &str, error: &dyn std::error::Error) -> Failure {
+    Failure::new(Exit::Failed, format!("cannot encode {what}")).line(format!("The encoder says: {error}."))
+}
+
+/// What `--stats` writes; the names are a contract.
+#[derive(Debug, Serialize)]
+struct Stats<'a> {
+    adapter: String,
+    driver: String,
+    frame_ms: FrameTimes,
+    steps: Steps,
+    cap_hits: u32,
+    ledger: &'a Ledger,
+}
+
+/// Milliseconds per frame.
+#[derive(Debug, PartialEq, Serialize)]
+struct FrameTimes {
+    median: f64,
+    p95: f64,
+}
+
+/// Steps per ray that was cast.
+#[derive(Debug, Serialize)]
+struct Steps {
+    mean: f64,
+    max: u32,
+}
+
+impl<'a> Stats<'a> {
+    fn new(gpu: &Gpu, times: Vec<f64>, probe: &Probe, ledger: &'a Ledger) -> Self {
+        let (adapter, driver) = gpu.adapter_name();
+        let (mean, max) = probe.step_stats();
+        Self {
+            adapter,
+            driver,
+            frame_ms: FrameTimes::of(times),
+            steps: Steps { mean, max },
+            cap_hits: probe.cap_hits,
+            ledger,
+        }
+    }
+
+    fn to_json(&self) -> Result<Vec<u8>, Failure> {
+        let mut json = serde_json::to_vec_pretty(self).map_err(|error| encoding_failed("the statistics", &error))?;
+        json.push(b'\n');
+        Ok(json)
+    }
+}
+
+impl FrameTimes {
+    /// The median and the 95th percentile (nearest rank) of at least one time.
+    fn of(mut times: Vec<f64>) -> Self {
+        times.sort_by(f64::total_cmp);
+        // The smallest time that at least this percentage of the times does not exceed.
+        let rank = |percent: usize| times.get((times.len() * percent).div_ceil(100).saturating_sub(1)).copied();
+        Self { median: rank(50).unwrap_or_default(), p95: rank(95).unwrap_or_default() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use exr::prelude::{ReadChannels, ReadLayers};
+
+    use super::*;
+
+    #[test]
+    fn percentiles_are_times_that_occurred() {
+        assert_eq!(FrameTimes::of(vec![5.0]), FrameTimes { median: 5.0, p95: 5.0 });
+        let times = (1..=100).rev().map(f64::from).collect();
+        assert_eq!(FrameTimes::of(times), FrameTimes { median: 50.0, p95: 95.0 });
+    }
+
+    #[test]
+    fn distances_survive_the_exr_with_sky_as_infinity() {
+        let distance: Vec<f32> =
+            (0..70 * 50u16).map(|i| if i % 3 == 0 { f32::INFINITY } else { f32::from(i) * 0.1 }).collect();
+        let probe = Probe { size: [70, 50], steps: vec![0; distance.len()], distance, cap_hits: 0 };
+        let bytes = exr_of(&probe).unwrap();
+        assert_eq!(bytes, exr_of(&probe).unwrap(), "the same bytes again");
+        let image = exr::prelude::read()
+            .no_deep_data()
+            .largest_resolution_level()
+            .all_channels()
+            .first_valid_layer()
+            .all_attributes()
+            .from_buffered(Cursor::new(bytes))
+            .unwrap();
+        let [channel] = image.layer_data.channel_data.list.as_slice() else { panic!("not one channel") };
+        assert_eq!(channel.name.to_string(), "Y");
+        assert_eq!(channel.sample_data, exr::prelude::FlatSamples::F32(probe.distance));
+    }
+}

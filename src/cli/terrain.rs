@@ -1,0 +1,244 @@
+//! Which height map and which scene: the defaults, then the scene file, then the options.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use super::args::SceneArgs;
+use super::failure::{Exit, Failure};
+use super::progress::Progress;
+use crate::camera::{Camera, NamedView};
+use crate::gpu::Gpu;
+use crate::heightfield::{HeightField, Loaded, load};
+use crate::render::RenderError;
+use crate::scene::Scene;
+use crate::scene_file;
+
+/// The height map that opens when none is named, so that the binary needs no files beside it.
+const GRAND_CANYON: &[u8] = include_bytes!("../../assets/grand-canyon.png");
+/// Its extent, heights, source and licence.
+const GRAND_CANYON_SIDECAR: &str = include_str!("../../assets/grand-canyon.toml");
+
+/// Samples on a side that every adapter this program meets can hold in a texture.
+const SMALL: u32 = 8192;
+
+/// Where the height map comes from.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Source {
+    /// A file.
+    File(PathBuf),
+    /// The Grand Canyon.
+    BuiltIn,
+}
+
+impl Source {
+    /// The map that `scene` names.
+    pub(crate) fn of(scene: &Scene) -> Self {
+        scene.terrain.file.clone().map_or(Self::BuiltIn, Self::File)
+    }
+
+    /// What to call the map when it has no title.
+    pub(crate) fn name(&self) -> String {
+        match self {
+            Self::File(path) => path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned(),
+            Self::BuiltIn => String::from("Grand Canyon"),
+        }
+    }
+
+    /// Loads the map and finds an adapter.
+    ///
+    /// A map that any adapter takes is loaded first, so that what is wrong with it is told on every machine. A larger
+    /// one is compared with the adapter's limit before it is decoded.
+    pub(crate) fn load_for_gpu(&self) -> Result<(Arc<Gpu>, Loaded), Failure> {
+        let Some((width, height)) = self.dimensions().filter(|(width, height)| width.max(height) > &SMALL) else {
+            let loaded = self.load()?;
+            return Ok((Gpu::headless()?, loaded));
+        };
+        let gpu = Gpu::headless()?;
+        let limit = gpu.capabilities.max_texture;
+        if width.max(height) > limit {
+            return Err(RenderError::TerrainTooLarge { width, height, limit }.into());
+        }
+        Ok((gpu, self.load()?))
+    }
+
+    /// Width and height by the file's header, where it has one.
+    fn dimensions(&self) -> Option<(u32, u32)> {
+        let Self::File(path) = self else { return None };
+        // A pipe could not be read twice.
+        std::fs::metadata(path).ok().filter(std::fs::Metadata::is_file)?;
+        image::ImageReader::open(path).ok()?.with_guessed_format().ok()?.into_dimensions().ok()
+    }
+
+    /// Loads the map. Warnings go to stderr.
+    pub(crate) fn load(&self) -> Result<Loaded, Failure> {
+        let loaded = {
+            let _progress = Progress::start("reading the height map");
+            match self {
+                Self::File(path) => load::load(path)?,
+                Self::BuiltIn => {
+                    load::load_bytes(Path::new("grand-canyon.png"), GRAND_CANYON, Some(GRAND_CANYON_SIDECAR))?
+                }
+            }
+        };
+        for warning in &loaded.warnings {
+            super::warn(warning);
+        }
+        Ok(loaded)
+    }
+}
+
+/// The scene of the defaults, the scene file and the options. The camera follows once the map is known:
+/// [`place_camera`].
+pub(crate) fn compose(args: &SceneArgs) -> Result<Scene, Failure> {
+    let mut scene = args.scene.as_deref().map(scene_file::read).transpose()?.unwrap_or_default();
+    set_some(&mut scene.terrain.file, args.file.clone());
+    set_some(&mut scene.terrain.height_scale, args.height_scale);
+
+    let march = &mut scene.march;
+    set(&mut march.technique, args.technique);
+    set(&mut march.filter, args.filter);
+    set(&mut march.binary_steps, args.binary_steps);
+    if let Some([min, max]) = args.samples {
+        (march.samples_min, march.samples_max) = (min, max);
+    }
+    march.steps_by_angle &= !args.fixed_steps;
+    march.lower_start &= !args.no_lower_start;
+    march.discard_misses &= !args.no_discard;
+
+    scene.diffuse.enabled = (scene.diffuse.enabled || args.texture.is_some()) && !args.no_texture;
+    set_some(&mut scene.diffuse.file, args.texture.clone());
+    set(&mut scene.diffuse.repeats, args.repeats);
+    scene.lighting.enabled &= !args.no_lighting;
+    if let Some([azimuth, elevation]) = args.sun {
+        (scene.lighting.sun_azimuth, scene.lighting.sun_elevation) = (azimuth, elevation);
+    }
+    scene.skybox.enabled &= !args.no_skybox;
+    scene.occluder.enabled |= args.occluder || args.occluder_at.is_some();
+    set_some(&mut scene.occluder.position, args.occluder_at);
+
+    set(&mut scene.craters.mode, args.crater_mode);
+    let craters: Vec<_> = args.craters.iter().map(|spec| spec.complete(&scene.craters)).collect();
+    scene.craters.list.extend(craters);
+
+    set(&mut scene.debug.view, args.debug);
+    scene.debug.wireframe |= args.wireframe;
+    Ok(scene)
+}
+
+/// Gives `scene` the camera that the options ask for, and checks the whole.
+pub(crate) fn place_camera(args: &SceneArgs, scene: &mut Scene, map: &HeightField) -> Result<(), Failure> {
+    let extent = map.box_size(scene.terrain.height_scale);
+    let before = scene.camera.unwrap_or_else(|| NamedView::Start.camera(map, extent));
+    let mut camera = match args.view {
+        Some(view) => Camera { fov: before.fov, ..view.camera(map, extent) },
+        None if args.eye.is_some() || args.target.is_some() => {
+            let (eye, target) = (args.eye.unwrap_or(before.eye), args.target.unwrap_or(extent * 0.5));
+            aim(eye, target, before.fov)?
+        }
+        None => before,
+    };
+    set(&mut camera.fov, args.fov);
+    if args.view.is_some() || camera != before {
+        scene.camera = Some(camera);
+    }
+    scene_file::validate(scene).map_err(|reason| Failure::usage(reason.to_string()))
+}
+
+fn aim(eye: DVec3, target: DVec3, fov: f64) -> Result<Camera, Failure> {
+    if eye == target {
+        let [x, y, z] = eye.to_array();
+        return Err(Failure::usage(format!("the eye and its target are the same point, {x},{y},{z}"))
+            .line("So there is no direction to look in.")
+            .line("Move --eye or --target."));
+    }
+    Ok(Camera::look_at(eye, target, fov))
+}
+
+/// A picture's size that the adapter cannot draw.
+pub(crate) fn check_size(size: [u32; 2], limit: u32) -> Result<(), Failure> {
+    let [width, height] = size;
+    if width.max(height) <= limit {
+        return Ok(());
+    }
+    Err(Failure::new(Exit::Usage, format!("--size {width}x{height} is too large"))
+        .line(format!("This adapter's pictures end at {limit} pixels a side."))
+        .line(format!("Choose at most {limit}x{limit}.")))
+}
+
+fn set<T>(field: &mut T, given: Option<T>) {
+    if let Some(given) = given {
+        *field = given;
+    }
+}
+
+fn set_some<T>(field: &mut Option<T>, given: Option<T>) {
+    if given.is_some() {
+        *field = given;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+
+    use super::*;
+    use crate::cli::args::{Cli, Command};
+    use crate::scene::{CraterMode, Technique};
+
+    fn scene_args(arguments: &[&str]) -> SceneArgs {
+        let all = ["relief", "render", "-o", "x.png"].iter().chain(arguments);
+        match Cli::try_parse_from(all).unwrap().command {
+            Some(Command::Render(render)) => render.scene,
+            other => panic!("not render: {other:?}"),
+        }
+    }
+
+    #[test]
+    fn options_beat_the_scene_file_which_beats_the_defaults() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("scene.toml");
+        let text = "[march]\ntechnique = \"linear\"\nsamples_max = 300\n[lighting]\nambient = 0.5\n\
+                    [craters]\nradius = 0.07\nlist = [{ x = 0.1, z = 0.2, radius = 0.1, depth = 0.1, rim = 0.1 }]\n";
+        std::fs::write(&path, text).unwrap();
+        let path = path.to_str().unwrap();
+        let scene =
+            compose(&scene_args(&["--scene", path, "--technique", "linear-binary", "--crater", "0.3,0.4"])).unwrap();
+        assert_eq!(scene.march.technique, Technique::LinearBinary, "an option");
+        assert_eq!((scene.march.samples_max, scene.lighting.ambient), (300, 0.5), "the file");
+        assert_eq!(scene.march.samples_min, Scene::default().march.samples_min, "a default");
+        let radii: Vec<f64> = scene.craters.list.iter().map(|crater| crater.radius).collect();
+        assert_eq!(radii, [0.1, 0.07], "a crater of an option joins the file's and uses its brush");
+    }
+
+    #[test]
+    fn every_flag_reaches_the_scene() {
+        let flags = "--height-scale 0.5 --fixed-steps --samples 7..9 --binary-steps 0 --filter nearest \
+            --no-lower-start --no-discard --no-texture --no-lighting --sun 10,20 --no-skybox --occluder-at 1,2,3 \
+            --crater-mode layered --debug normals --wireframe";
+        let scene = compose(&scene_args(&flags.split_whitespace().collect::<Vec<_>>())).unwrap();
+        let march = &scene.march;
+        assert_eq!(scene.terrain.height_scale, Some(0.5));
+        assert_eq!((march.samples_min, march.samples_max, march.binary_steps), (7, 9, 0));
+        assert!(!march.steps_by_angle && !march.lower_start && !march.discard_misses);
+        assert!(!scene.diffuse.enabled && !scene.lighting.enabled && !scene.skybox.enabled);
+        assert_eq!((scene.lighting.sun_azimuth, scene.lighting.sun_elevation), (10.0, 20.0));
+        assert_eq!((scene.occluder.enabled, scene.occluder.position), (true, Some(DVec3::new(1.0, 2.0, 3.0))));
+        assert_eq!(scene.craters.mode, CraterMode::Layered);
+        assert!(scene.debug.wireframe && scene.debug.view == crate::scene::DebugView::Normals);
+    }
+
+    #[test]
+    fn the_file_of_the_scene_is_used_when_none_is_given() {
+        let mut scene = Scene::default();
+        assert_eq!(Source::of(&scene), Source::BuiltIn);
+        scene.terrain.file = Some(PathBuf::from("a.png"));
+        assert_eq!(Source::of(&scene), Source::File(PathBuf::from("a.png")));
+    }
+
+    #[test]
+    fn the_eye_cannot_look_at_itself() {
+        assert_eq!(aim(DVec3::ONE, DVec3::ONE, 60.0).unwrap_err().exit, Exit::Usage);
+    }
+}

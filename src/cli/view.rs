@@ -1,0 +1,68 @@
+//! `relief` and `relief view`: the viewer, or where there is no display, its start view as a picture.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use super::args::ViewArgs;
+use super::failure::Failure;
+use super::output::Output;
+use super::render;
+use super::terrain::{self, Source};
+use crate::app::{self, AppError, ViewerOptions};
+
+/// Size of the picture that stands in for a window, pixels.
+const PICTURE_SIZE: [u32; 2] = [1280, 800];
+
+pub(crate) fn run(args: &ViewArgs) -> Result<(), Failure> {
+    if !has_display() {
+        return without_display(args);
+    }
+    let mut scene = terrain::compose(&args.scene)?;
+    let source = Source::of(&scene);
+    let map = source.load()?;
+    terrain::place_camera(&args.scene, &mut scene, &map.field)?;
+    let options = ViewerOptions {
+        title: map.title.unwrap_or_else(|| source.name()),
+        warnings: map.warnings,
+        map: Arc::new(map.field),
+        scene,
+        size: args.size,
+        status: args.status.clone(),
+        screenshots: args.screenshots.clone(),
+    };
+    match app::run(options) {
+        Err(AppError::Window(reason)) => {
+            log::info!("no window could be opened: {reason}");
+            without_display(args)
+        }
+        other => Ok(other?),
+    }
+}
+
+/// Draws what the window would open with.
+fn without_display(args: &ViewArgs) -> Result<(), Failure> {
+    let output = Output::prepare(&args.output)?;
+    let mut scene = terrain::compose(&args.scene)?;
+    let (gpu, map) = Source::of(&scene).load_for_gpu()?;
+    let size = args.size.unwrap_or(PICTURE_SIZE);
+    terrain::check_size(size, gpu.capabilities.max_texture)?;
+    terrain::place_camera(&args.scene, &mut scene, &map.field)?;
+    render::picture(gpu, scene, map.field, size, &output)?;
+    announce(output.path());
+    Ok(())
+}
+
+fn announce(path: &Path) {
+    eprintln!("relief: no display: rendered the start view to {}; open it, or run on a desktop", path.display());
+}
+
+/// Whether a window system may answer. Only X11 and Wayland are announced by the environment.
+fn has_display() -> bool {
+    if cfg!(any(target_os = "linux", target_os = "freebsd", target_os = "openbsd", target_os = "netbsd")) {
+        ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"]
+            .iter()
+            .any(|name| std::env::var_os(name).is_some_and(|value| !value.is_empty()))
+    } else {
+        true
+    }
+}

@@ -1,0 +1,310 @@
+//! Scene files: a [`Scene`] as TOML, read with messages that name the line, written so that a picture can be made again.
+
+use std::ops::{Bound, RangeBounds};
+use std::path::{Path, PathBuf};
+
+use glam::DVec3;
+
+use crate::scene::Scene;
+
+/// Why a scene file could not be used.
+#[derive(Debug, thiserror::Error)]
+pub enum SceneFileError {
+    /// The file could not be read.
+    #[error("cannot read the scene file {}\nThe system says: {reason}.\nCheck the path, and that the file may be read.", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        reason: std::io::Error,
+    },
+    /// A key or a name that does not exist.
+    #[error(
+        "{}:{line}: there is no {kind} `{found}`\nThe nearest valid {kind} is `{nearest}`; valid here: {}.\nCorrect the line, or remove it.",
+        path.display(), valid.join(", ")
+    )]
+    Unknown {
+        /// The file.
+        path: PathBuf,
+        /// The line, from 1.
+        line: usize,
+        /// "key" or "name".
+        kind: &'static str,
+        /// What the file says.
+        found: String,
+        /// What it may have meant.
+        nearest: String,
+        /// Everything that is valid in this place.
+        valid: Vec<String>,
+    },
+    /// Not TOML, or a value of the wrong type.
+    #[error("{}:{line}: {reason}\nA scene file is TOML; the README shows one.\nCorrect the line, or remove it.", path.display())]
+    Syntax {
+        /// The file.
+        path: PathBuf,
+        /// The line, from 1.
+        line: usize,
+        /// Why.
+        reason: String,
+    },
+    /// A value that no picture can be made with.
+    #[error(
+        "{}: {} cannot be {}\nIt must be {}.\nCorrect the value, or remove the key: every key has a default.",
+        path.display(), reason.field, reason.value, reason.range
+    )]
+    Value {
+        /// The file.
+        path: PathBuf,
+        /// The field, its value and its range.
+        reason: OutOfRange,
+    },
+    /// The scene cannot be expressed as TOML.
+    #[error("cannot write the scene as TOML\n{0}\nGive files names that are valid Unicode.")]
+    Write(#[from] toml::ser::Error),
+}
+
+/// A field outside its range.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{field} is {value}, but must be {range}")]
+pub struct OutOfRange {
+    /// The field as a path of keys, such as `march.samples_min`.
+    pub field: String,
+    /// Its value.
+    pub value: String,
+    /// The values it may have, in words.
+    pub range: String,
+}
+
+/// Reads a scene. Relative paths in it become relative to the file's folder.
+///
+/// # Errors
+/// The file cannot be read, is no TOML, has an unknown key, or a value outside its range.
+pub fn read(path: &Path) -> Result<Scene, SceneFileError> {
+    let text =
+        std::fs::read_to_string(path).map_err(|reason| SceneFileError::Read { path: path.to_path_buf(), reason })?;
+    let mut scene: Scene = toml::from_str(&text).map_err(|error| explain(path, &text, &error))?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    for file in files_mut(&mut scene) {
+        // Joining an absolute path gives that path.
+        *file = folder.join(&*file);
+    }
+    validate(&scene).map_err(|reason| SceneFileError::Value { path: path.to_path_buf(), reason })?;
+    Ok(scene)
+}
+
+/// The scene as TOML. Relative paths become absolute, so that the text means the same wherever it is stored.
+///
+/// # Errors
+/// A path is not valid Unicode, which TOML cannot express.
+pub fn to_toml(scene: &Scene) -> Result<String, SceneFileError> {
+    let mut scene = scene.clone();
+    for file in files_mut(&mut scene) {
+        // Without a current folder a relative path cannot be made absolute; it is kept.
+        if let Ok(absolute) = std::path::absolute(&*file) {
+            *file = absolute;
+        }
+    }
+    Ok(toml::to_string_pretty(&scene)?)
+}
+
+/// All files that a scene names.
+fn files_mut(scene: &mut Scene) -> impl Iterator<Item = &mut PathBuf> {
+    let faces = scene.skybox.faces.iter_mut().flatten();
+    scene.terrain.file.iter_mut().chain(scene.diffuse.file.iter_mut()).chain(faces)
+}
+
+/// Turns the parser's error into one that names the line and, for an unknown word, the nearest valid one.
+fn explain(path: &Path, text: &str, error: &toml::de::Error) -> SceneFileError {
+    let path = path.to_path_buf();
+    let start = error.span().map_or(0, |span| span.start);
+    let line = 1 + text.bytes().take(start).filter(|&byte| byte == b'\n').count();
+    let message = error.message();
+    // serde: "unknown field `a`, expected `b` or `c`", "unknown variant `a`, expected one of `b`, `c`, `d`".
+    let kind = if message.starts_with("unknown field") { Some("key") } else { None };
+    let kind = kind.or(message.starts_with("unknown variant").then_some("name"));
+    let mut quoted = message.split('`').skip(1).step_by(2).map(str::to_owned);
+    if let (Some(kind), Some(found)) = (kind, quoted.next()) {
+        let valid: Vec<String> = quoted.collect();
+        if let Some(nearest) = nearest(&found, &valid) {
+            return SceneFileError::Unknown { path, line, kind, found, nearest, valid };
+        }
+    }
+    SceneFileError::Syntax { path, line, reason: message.to_owned() }
+}
+
+/// The candidate most like `word`.
+fn nearest(word: &str, candidates: &[String]) -> Option<String> {
+    let likeness = |candidate: &String| strsim::jaro_winkler(&word.to_lowercase(), candidate);
+    candidates.iter().max_by(|a, b| likeness(a).total_cmp(&likeness(b))).cloned()
+}
+
+/// Checks that a picture can be made of `scene`: every number finite and inside its range.
+///
+/// # Errors
+/// The first field that is not, with its range.
+pub fn validate(scene: &Scene) -> Result<(), OutOfRange> {
+    use Bound::{Excluded, Included};
+    let Scene { terrain, camera, march, diffuse, lighting, skybox, occluder, debug, craters } = scene;
+    if let Some(scale) = terrain.height_scale {
+        check("terrain.height_scale", scale, Excluded(0.0), Included(1000.0))?;
+    }
+    if let Some(camera) = camera {
+        for value in camera.eye.to_array() {
+            check("camera.eye", value, Included(-FARTHEST), Included(FARTHEST))?;
+        }
+        check("camera.yaw", camera.yaw, Included(-ANGLE), Included(ANGLE))?;
+        check("camera.pitch", camera.pitch, Included(-90.0), Included(90.0))?;
+        check("camera.fov", camera.fov, Excluded(0.0), Excluded(180.0))?;
+    }
+    let steps = f64::from(MOST_SAMPLES);
+    check("march.samples_min", march.samples_min, Included(1.0), Included(steps))?;
+    check("march.samples_max", march.samples_max, Included(f64::from(march.samples_min)), Included(steps))?;
+    check("march.binary_steps", march.binary_steps, Included(0.0), Included(f64::from(MOST_HALVINGS)))?;
+    check("diffuse.repeats", diffuse.repeats, Excluded(0.0), Included(4096.0))?;
+    check("lighting.sun_azimuth", lighting.sun_azimuth, Included(-ANGLE), Included(ANGLE))?;
+    check("lighting.sun_elevation", lighting.sun_elevation, Included(-90.0), Included(90.0))?;
+    check("lighting.ambient", lighting.ambient, Included(0.0), Included(100.0))?;
+    check("lighting.diffuse", lighting.diffuse, Included(0.0), Included(100.0))?;
+    check("lighting.specular", lighting.specular, Included(0.0), Included(100.0))?;
+    check("lighting.shininess", lighting.shininess, Excluded(0.0), Included(10_000.0))?;
+    check("skybox.flattening", skybox.flattening, Included(0.01), Included(100.0))?;
+    for value in occluder.position.iter().flat_map(DVec3::to_array) {
+        check("occluder.position", value, Included(-FARTHEST), Included(FARTHEST))?;
+    }
+    check("occluder.size", occluder.size, Excluded(0.0), Included(1000.0))?;
+    for value in occluder.rotation.to_array() {
+        check("occluder.rotation", value, Included(-ANGLE), Included(ANGLE))?;
+    }
+    check("occluder.spin", occluder.spin, Included(-ANGLE), Included(ANGLE))?;
+    check("debug.heat_map_max", debug.heat_map_max, Included(1.0), Included(f64::from(u32::MAX)))?;
+    check("craters.layer_resolution", craters.layer_resolution, Included(2.0), Included(16384.0))?;
+    check_crater("craters", craters.radius, craters.depth, craters.rim)?;
+    for (index, crater) in craters.list.iter().enumerate() {
+        let name = format!("craters.list[{index}]");
+        check(&format!("{name}.x"), crater.x, Included(-FARTHEST), Included(FARTHEST))?;
+        check(&format!("{name}.z"), crater.z, Included(-FARTHEST), Included(FARTHEST))?;
+        check_crater(&name, crater.radius, crater.depth, crater.rim)?;
+    }
+    Ok(())
+}
+
+/// Farthest that anything may be from the origin, world units: beyond it single precision shows no terrain.
+pub(crate) const FARTHEST: f64 = 1e6;
+/// Largest angle in degrees: many turns, yet exact to a thousandth of a degree.
+const ANGLE: f64 = 1e9;
+/// Most uniform samples per ray: as many as texels along the largest texture, several times over.
+pub(crate) const MOST_SAMPLES: u32 = 65536;
+/// Most halvings: the 24 bits of a single-precision distance cannot be halved more often.
+pub(crate) const MOST_HALVINGS: u32 = 24;
+
+fn check_crater(name: &str, radius: f64, depth: f64, rim: f64) -> Result<(), OutOfRange> {
+    use Bound::{Excluded, Included};
+    check(&format!("{name}.radius"), radius, Excluded(0.0), Included(10.0))?;
+    check(&format!("{name}.depth"), depth, Included(0.0), Included(10.0))?;
+    check(&format!("{name}.rim"), rim, Included(0.0), Included(10.0))
+}
+
+/// Checks one number; NaN is inside no range.
+fn check(field: &str, value: impl Into<f64>, low: Bound<f64>, high: Bound<f64>) -> Result<(), OutOfRange> {
+    let value = value.into();
+    if value.is_finite() && (low, high).contains(&value) {
+        return Ok(());
+    }
+    let low = match low {
+        Bound::Included(low) => format!("at least {low}"),
+        Bound::Excluded(low) => format!("more than {low}"),
+        Bound::Unbounded => String::from("finite"),
+    };
+    let high = match high {
+        Bound::Included(high) => format!(" and at most {high}"),
+        Bound::Excluded(high) => format!(" and less than {high}"),
+        Bound::Unbounded => String::new(),
+    };
+    Err(OutOfRange { field: field.to_owned(), value: value.to_string(), range: low + &high })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::Camera;
+    use crate::scene::Technique;
+
+    fn read_text(text: &str) -> Result<Scene, SceneFileError> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("scene.toml");
+        std::fs::write(&path, text).unwrap();
+        read(&path)
+    }
+
+    #[test]
+    fn an_unknown_key_is_named_with_its_line_and_the_nearest_valid_one() {
+        let error = read_text("[march]\ntechnique = \"linear\"\nsample_max = 3\n").unwrap_err().to_string();
+        assert!(error.contains("scene.toml:3: there is no key `sample_max`"), "{error}");
+        assert!(error.contains("nearest valid key is `samples_max`"), "{error}");
+        let error = read_text("[lightning]\nambient = 1\n").unwrap_err().to_string();
+        assert!(error.contains("scene.toml:1:") && error.contains("`lighting`"), "{error}");
+    }
+
+    #[test]
+    fn an_unknown_technique_is_named_with_the_nearest_one() {
+        let error = read_text("\n[march]\ntechnique = \"max-mipmaps\"\n").unwrap_err().to_string();
+        assert!(error.contains(":3: there is no name `max-mipmaps`"), "{error}");
+        assert!(error.contains("nearest valid name is `max-mipmap`"), "{error}");
+    }
+
+    #[test]
+    fn broken_toml_names_the_line() {
+        let error = read_text("[march]\nsamples_max = \n").unwrap_err().to_string();
+        assert!(error.contains("scene.toml:2:"), "{error}");
+        let error = read_text("[march]\nsamples_max = \"many\"\n").unwrap_err().to_string();
+        assert!(error.contains("scene.toml:2:"), "{error}");
+    }
+
+    #[test]
+    fn values_outside_their_range_are_named() {
+        for (text, field) in [
+            ("[terrain]\nheight_scale = -1.0", "terrain.height_scale"),
+            ("[terrain]\nheight_scale = nan", "terrain.height_scale"),
+            ("[camera]\neye = [0.0, inf, 0.0]", "camera.eye"),
+            ("[camera]\neye = [0.0, 0.0, 0.0]\nfov = 180.0", "camera.fov"),
+            ("[march]\nsamples_min = 0", "march.samples_min"),
+            ("[march]\nsamples_min = 9\nsamples_max = 8", "march.samples_max"),
+            (
+                "[craters]\nlist = [{ x = 0.5, z = 0.5, radius = 0.0, depth = 0.1, rim = 0.0 }]",
+                "craters.list[0].radius",
+            ),
+        ] {
+            let error = read_text(text).unwrap_err().to_string();
+            assert!(error.contains(field) && error.contains("It must be"), "{text}: {error}");
+        }
+    }
+
+    #[test]
+    fn a_scene_written_and_read_again_is_the_same() {
+        let mut scene = Scene { camera: Some(Camera::look_at(DVec3::ONE, DVec3::ZERO, 50.0)), ..Scene::default() };
+        scene.march.technique = Technique::Linear;
+        scene.occluder.position = Some(DVec3::new(0.1, 0.2, 0.3));
+        let brush = scene.craters.brush_at(0.25, 0.75);
+        scene.craters.list.push(brush);
+        assert_eq!(read_text(&to_toml(&scene).unwrap()).unwrap(), scene);
+    }
+
+    #[test]
+    fn paths_are_relative_to_the_scene_file_and_written_absolute() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("scene.toml");
+        std::fs::write(&path, "terrain.file = \"maps/a.png\"\n").unwrap();
+        let scene = read(&path).unwrap();
+        assert_eq!(scene.terrain.file, Some(folder.path().join("maps/a.png")));
+
+        let mut scene = Scene::default();
+        scene.diffuse.file = Some(PathBuf::from("rock.png"));
+        let again: Scene = toml::from_str(&to_toml(&scene).unwrap()).unwrap();
+        assert_eq!(again.diffuse.file, Some(std::env::current_dir().unwrap().join("rock.png")));
+    }
+
+    #[test]
+    fn the_default_scene_is_valid() {
+        assert_eq!(validate(&Scene::default()), Ok(()));
+    }
+}
