@@ -3,14 +3,15 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use clap::CommandFactory;
 use glam::DVec3;
 
-use super::args::SceneArgs;
+use super::args::{Cli, SceneArgs};
 use super::failure::{Exit, Failure};
 use super::progress::Progress;
 use crate::camera::{Camera, NamedView};
 use crate::gpu::Gpu;
-use crate::heightfield::{HeightField, Loaded, load};
+use crate::heightfield::{HeightField, LoadError, Loaded, load};
 use crate::render::RenderError;
 use crate::scene::Scene;
 use crate::scene_file;
@@ -76,7 +77,7 @@ impl Source {
         let loaded = {
             let _progress = Progress::start("reading the height map");
             match self {
-                Self::File(path) => load::load(path)?,
+                Self::File(path) => load::load(path).map_err(|error| cannot_open(path, error))?,
                 Self::BuiltIn => {
                     load::load_bytes(Path::new("grand-canyon.png"), GRAND_CANYON, Some(GRAND_CANYON_SIDECAR))?
                 }
@@ -86,6 +87,25 @@ impl Source {
             super::warn(warning);
         }
         Ok(loaded)
+    }
+}
+
+/// Why `path` does not open; a word that looks like a mistyped command is answered with the command.
+fn cannot_open(path: &Path, error: LoadError) -> Failure {
+    let missing = matches!(error, LoadError::NotFound { .. });
+    let failure = Failure::from(error);
+    let word = path.to_str().filter(|word| missing && word.chars().all(char::is_alphanumeric));
+    let Some(word) = word else { return failure };
+    let cli = Cli::command();
+    let similarity = |name: &str| strsim::jaro_winkler(word, name);
+    let nearest = cli
+        .get_subcommands()
+        .map(clap::Command::get_name)
+        .max_by(|a, b| similarity(a).total_cmp(&similarity(b)))
+        .filter(|name| similarity(name) > 0.8);
+    match nearest {
+        Some(name) => failure.line(format!("Or was the command `relief {name}` meant?")),
+        None => failure,
     }
 }
 
@@ -184,7 +204,7 @@ mod tests {
     use clap::Parser;
 
     use super::*;
-    use crate::cli::args::{Cli, Command};
+    use crate::cli::args::Command;
     use crate::scene::{CraterMode, Technique};
 
     fn scene_args(arguments: &[&str]) -> SceneArgs {
@@ -235,6 +255,13 @@ mod tests {
         assert_eq!(Source::of(&scene), Source::BuiltIn);
         scene.terrain.file = Some(PathBuf::from("a.png"));
         assert_eq!(Source::of(&scene), Source::File(PathBuf::from("a.png")));
+    }
+
+    #[test]
+    fn a_mistyped_command_is_answered_with_the_command() {
+        let answer = |word: &str| Source::File(word.into()).load().unwrap_err().to_string();
+        assert!(answer("rendr").contains("relief render"), "{}", answer("rendr"));
+        assert!(!answer("missing.png").contains("the command"));
     }
 
     #[test]
