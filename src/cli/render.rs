@@ -16,7 +16,7 @@ use super::terrain::{self, Source};
 use crate::gpu::{Gpu, Target};
 use crate::heightfield::HeightField;
 use crate::render::{Ledger, Probe, RenderError, Renderer};
-use crate::scene::Scene;
+use crate::scene::{DebugView, Scene};
 
 /// Frames drawn before any is timed: a driver compiles shaders in the first.
 const WARM_UP: u32 = 2;
@@ -30,6 +30,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let map = map.field;
     terrain::place_camera(&args.scene, &mut scene, &map)?;
 
+    let (scene_view, heat_map_max) = (scene.debug.view, scene.debug.heat_map_max);
     let progress = Progress::start("drawing");
     let mut easel = Easel::new(gpu, scene, map, args.size)?;
     let times = if args.stats.is_some() { easel.timed_frames(args.frames)? } else { easel.frame()? };
@@ -42,6 +43,9 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     drop(progress);
 
     outputs.picture.write(&picture)?;
+    if scene_view == DebugView::Steps {
+        eprintln!("relief: steps per ray: black is 0, pale yellow {heat_map_max} or more");
+    }
     if let (Some(output), Some(probe)) = (&outputs.depth, &probe) {
         output.write(&exr_of(probe)?)?;
     }

@@ -142,10 +142,7 @@ impl Gpu {
         let lost: Arc<Mutex<Option<String>>> = Arc::default();
         let note = Arc::clone(&lost);
         device.set_device_lost_callback(move |reason, message| {
-            // Dropping the device at the end is no loss.
-            if reason != wgpu::DeviceLostReason::Destroyed {
-                *note.lock().unwrap_or_else(PoisonError::into_inner) = Some(message);
-            }
+            *note.lock().unwrap_or_else(PoisonError::into_inner) = Some(format!("{reason:?}: {message}"));
         });
         // wgpu's default handler panics. Out of memory and driver errors end in the log and in a dead frame instead.
         device.on_uncaptured_error(Arc::new(|error| log::error!("the GPU reported: {error}")));

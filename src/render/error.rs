@@ -23,6 +23,19 @@ pub enum RenderError {
         /// The adapter's limit.
         limit: u32,
     },
+    /// The adapter has no memory for the map.
+    #[error(
+        "the adapter has no memory for the map's {width}×{height} samples\n  {reason}\n  \
+         reduce the map's resolution, or close other programs that use the GPU"
+    )]
+    OutOfMemory {
+        /// Columns of the map.
+        width: u32,
+        /// Rows of the map.
+        height: u32,
+        /// What the driver said.
+        reason: String,
+    },
     /// An image that the scene names (diffuse texture, skybox face) cannot be used.
     #[error("cannot use the image {}\n  {reason}\n  choose a PNG, JPEG or WebP file that fits", path.display())]
     Image {

@@ -107,13 +107,19 @@ impl Renderer {
     /// Replaces the terrain; on an error the old one stays.
     ///
     /// # Errors
-    /// [`RenderError::TerrainTooLarge`] where a side exceeds the adapter's textures.
+    /// [`RenderError::TerrainTooLarge`] where a side exceeds the adapter's textures, [`RenderError::OutOfMemory`] where
+    /// they cannot be allocated.
     pub fn set_terrain(&mut self, map: Arc<HeightField>) -> Result<(), RenderError> {
         let (width, height, limit) = (map.width(), map.height(), self.gpu.capabilities.max_texture);
         if width > limit || height > limit {
             return Err(RenderError::TerrainTooLarge { width, height, limit });
         }
-        self.ground = Some(Ground::new(&self.gpu, map));
+        let scope = self.gpu.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+        let ground = Ground::new(&self.gpu, map);
+        if let Some(error) = pollster::block_on(scope.pop()) {
+            return Err(RenderError::OutOfMemory { width, height, reason: error.to_string() });
+        }
+        self.ground = Some(ground);
         self.drape = None;
         Ok(())
     }

@@ -285,10 +285,9 @@ impl TerrainBindings {
         };
         Self {
             buffer: uniform_buffer::<TerrainUniform>(gpu, "terrain"),
-            corner_sampler: gpu.device.create_sampler(&wgpu::SamplerDescriptor {
-                label: Some("corners of cells"),
-                ..Default::default()
-            }),
+            corner_sampler: gpu
+                .device
+                .create_sampler(&wgpu::SamplerDescriptor { label: Some("corners of cells"), ..Default::default() }),
             height_sampler: sampler("heights", wgpu::AddressMode::ClampToEdge),
             clamped: sampler("diffuse", wgpu::AddressMode::ClampToEdge),
             repeated: sampler("diffuse, repeated", wgpu::AddressMode::Repeat),
@@ -309,10 +308,7 @@ impl TerrainBindings {
         let view = wgpu::BindingResource::TextureView;
         let mut entries = vec![(0, self.buffer.as_entire_binding())];
         if key.marches() {
-            entries.extend([
-                (1, view(ground.heights())),
-                (7, wgpu::BindingResource::Sampler(&self.corner_sampler)),
-            ]);
+            entries.extend([(1, view(ground.heights())), (7, wgpu::BindingResource::Sampler(&self.corner_sampler))]);
         }
         if key.filters_heights() {
             entries.push((2, wgpu::BindingResource::Sampler(&self.height_sampler)));

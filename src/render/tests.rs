@@ -145,3 +145,24 @@ fn what_is_off_is_not_in_the_shader() {
     layered.craters.list.push(layered.craters.brush_at(0.5, 0.5));
     assert!(names(&layered).contains("crater_layer"));
 }
+
+/// A device that goes away ends in an error that the window can act on: never in a panic.
+#[test]
+fn a_lost_device_is_an_error() {
+    let gpu = Gpu::headless().unwrap();
+    let mut renderer = Renderer::new(Arc::clone(&gpu)).unwrap();
+    let map = crate::heightfield::generate::generate(crate::heightfield::generate::Kind::Ridged, 33, 1);
+    renderer.set_terrain(Arc::new(map)).unwrap();
+    let target = Target::new(&gpu, [16, 16]);
+    renderer.draw(&Scene::default(), &target).unwrap();
+    gpu.device.destroy();
+    // The loss is reported once the work in flight has ended.
+    let _ = gpu.device.poll(wgpu::PollType::wait_indefinitely());
+    renderer.take_frame_time();
+    assert!(gpu.lost().is_some(), "nobody noticed");
+    assert!(matches!(renderer.draw(&Scene::default(), &target), Err(RenderError::DeviceLost(_))));
+    assert!(matches!(renderer.probe(&Scene::default(), [8, 8]), Err(RenderError::DeviceLost(_))));
+    assert!(target.read_color(&gpu).is_err(), "there is no picture any more");
+    // A frame in flight may or may not have arrived; waiting for it must end.
+    let _ = renderer.wait_frame_time();
+}

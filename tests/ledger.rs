@@ -1,0 +1,255 @@
+//! A scene pays only for what it shows: what is off, out of view or unchanged is not in the ledger.
+//!
+//! `cargo test --test ledger -- --nocapture` prints the ledgers.
+#![expect(clippy::unwrap_used, clippy::panic, reason = "a test may fail loudly")]
+
+mod common;
+
+use common::{SIZE, canyon, craters, gpu, renderer, scene_at, scene_from};
+use glam::DVec3;
+use relief::camera::{Camera, NamedView};
+use relief::gpu::Target;
+use relief::heightfield::Crater;
+use relief::render::{Ledger, Renderer};
+use relief::scene::{CraterMode, DebugView, Scene, Technique};
+
+/// Draws a frame; what it cost.
+fn frame(renderer: &mut Renderer, scene: &Scene) -> Ledger {
+    let target = Target::new(&gpu(), SIZE);
+    renderer.draw(scene, &target).unwrap();
+    renderer.ledger().clone()
+}
+
+/// What a first frame of the canyon costs.
+fn first_frame(scene: &Scene) -> Ledger {
+    frame(&mut renderer(&canyon()), scene)
+}
+
+fn textures(ledger: &Ledger) -> Vec<&str> {
+    ledger.textures.iter().map(|texture| texture.name.as_str()).collect()
+}
+
+fn has_def(ledger: &Ledger, def: &str) -> bool {
+    ledger.shader_defs.iter().any(|name| name == def)
+}
+
+fn has_texture(ledger: &Ledger, name: &str) -> bool {
+    textures(ledger).contains(&name)
+}
+
+fn start() -> Scene {
+    scene_at(NamedView::Start, &canyon())
+}
+
+/// Looking straight down from where the ground fills the picture.
+fn close_down() -> Scene {
+    let extent = canyon().box_size(None);
+    let eye = DVec3::new(0.5 * extent.x, extent.y + 0.2, 0.5 * extent.z);
+    Scene { camera: Some(Camera { eye, yaw: 0.0, pitch: -90.0, fov: 60.0 }), ..Scene::default() }
+}
+
+fn everything_off() -> Scene {
+    let mut scene = start();
+    scene.lighting.enabled = false;
+    scene.diffuse.enabled = false;
+    scene.skybox.enabled = false;
+    scene.march.technique = Technique::Linear;
+    scene.march.steps_by_angle = false;
+    scene.march.lower_start = false;
+    scene.march.discard_misses = false;
+    scene
+}
+
+fn print(name: &str, ledger: &Ledger) {
+    println!("\n{name}\n  passes     {}\n  draws      {}", ledger.passes.join(", "), ledger.draws);
+    println!("  defs       {}\n  uploaded   {} bytes", ledger.shader_defs.join(" "), ledger.uploaded_bytes);
+    for texture in &ledger.textures {
+        println!(
+            "  texture    {:12} {}×{}×{}, {} mips, {}, {} bytes",
+            texture.name, texture.width, texture.height, texture.layers, texture.mips, texture.format, texture.bytes
+        );
+    }
+    println!("  all        {} bytes\n  pipelines  {}", ledger.texture_bytes, ledger.pipelines.join(", "));
+    if let Some(pixels) = ledger.sky_pixels {
+        println!("  sky        {pixels} pixels shaded");
+    }
+}
+
+#[test]
+fn everything_off_costs_one_draw_and_one_texture() {
+    let ledger = first_frame(&everything_off());
+    print("everything off", &ledger);
+    assert_eq!(ledger.passes, ["terrain"]);
+    assert_eq!(ledger.draws, 1);
+    assert_eq!(textures(&ledger), ["heights", "picture", "depth"]);
+    assert_eq!(ledger.shader_defs, ["SHADED"]);
+    assert_eq!(ledger.pipelines.len(), 1);
+    let sum: u64 = ledger.textures.iter().map(|texture| texture.bytes).sum();
+    assert_eq!(ledger.texture_bytes, sum);
+    assert_eq!(ledger.textures[0].bytes, 512 * 512 * 4);
+    assert_eq!(ledger.uploaded_bytes, 512 * 512 * 4, "the heights, and nothing else");
+}
+
+#[test]
+fn the_defaults_cost_what_they_show() {
+    let mut renderer = renderer(&canyon());
+    let ledger = frame(&mut renderer, &start());
+    print("defaults", &ledger);
+    assert_eq!(ledger.passes, ["terrain", "skybox"]);
+    assert_eq!(ledger.draws, 2);
+    assert_eq!(textures(&ledger), ["heights", "pyramid", "diffuse", "sky", "picture", "depth"]);
+    for def in ["SHADED", "LIGHTING", "SURFACE_NORMAL", "DIFFUSE_TEXTURE", "LOWER_START", "DISCARD_MISSES"] {
+        assert!(has_def(&ledger, def), "{def}");
+    }
+    let again = frame(&mut renderer, &start());
+    assert_eq!(again.uploaded_bytes, 0, "a frame of the same scene uploads nothing");
+    assert_eq!((again.scene_frames, again.pipelines), (2, ledger.pipelines));
+}
+
+#[test]
+fn baked_craters_cost_their_own_samples_once() {
+    let mut renderer = renderer(&canyon());
+    let without = frame(&mut renderer, &start());
+    let mut scene = start();
+    scene.craters.list = vec![scene.craters.brush_at(0.5, 0.5)];
+    let edit = frame(&mut renderer, &scene);
+    print("craters baked, the crater's frame", &edit);
+    assert!(edit.uploaded_bytes > 0);
+    let of_the_ground = |name: &str| ["heights", "pyramid", "diffuse"].contains(&name);
+    let ground = without.textures.iter().filter(|texture| of_the_ground(&texture.name));
+    let all: u64 = ground.map(|texture| texture.bytes).sum();
+    assert!(edit.uploaded_bytes * 100 < all * 3, "{} of the ground's {all} bytes", edit.uploaded_bytes);
+    let after = frame(&mut renderer, &scene);
+    print("craters baked, after it", &after);
+    assert_eq!(after.uploaded_bytes, 0);
+    let cost = |ledger: &Ledger| Ledger { uploaded_bytes: 0, scene_frames: 0, ..ledger.clone() };
+    assert_eq!(cost(&after), cost(&without), "the same passes, draws, defs, textures and pipelines as without craters");
+}
+
+#[test]
+fn layered_craters_cost_a_texture_and_its_pipeline() {
+    let mut renderer = renderer(&canyon());
+    let mut scene = start();
+    scene.craters.mode = CraterMode::Layered;
+    let none = frame(&mut renderer, &scene);
+    assert!(!has_texture(&none, "crater layer") && !has_def(&none, "CRATERS_LAYERED"), "layered, but no crater");
+    scene.craters.list = craters(&canyon());
+    let layered = frame(&mut renderer, &scene);
+    print("craters layered", &layered);
+    assert!(has_texture(&layered, "crater layer") && has_def(&layered, "CRATERS_LAYERED"));
+    assert_eq!(layered.draws, none.draws);
+    let layer = layered.textures.iter().find(|texture| texture.name == "crater layer").unwrap();
+    assert_eq!(layer.width.max(layer.height), scene.craters.layer_resolution);
+    assert_eq!(layered.texture_bytes, none.texture_bytes + layer.bytes);
+    assert_eq!(layered.pipelines.len(), none.pipelines.len() + 1);
+    assert_eq!(frame(&mut renderer, &scene).uploaded_bytes, 0);
+    scene.craters.mode = CraterMode::Baked;
+    let baked = frame(&mut renderer, &scene);
+    assert!(!has_texture(&baked, "crater layer") && !has_def(&baked, "CRATERS_LAYERED"));
+    assert_eq!(baked.texture_bytes, none.texture_bytes);
+}
+
+#[test]
+fn a_view_filled_by_terrain_shades_no_sky() {
+    let mut renderer = renderer(&canyon());
+    let target = Target::new(&gpu(), SIZE);
+    assert_eq!(renderer.count_sky_pixels(&close_down(), &target).unwrap(), 0);
+    print("looking straight down", renderer.ledger());
+    assert_eq!(renderer.ledger().sky_pixels, Some(0));
+    let scene = start();
+    let shaded = renderer.count_sky_pixels(&scene, &target).unwrap();
+    let probe = renderer.probe(&scene, SIZE).unwrap();
+    let sky = probe.distance.iter().filter(|distance| distance.is_infinite()).count();
+    assert!(sky > 1000);
+    assert_eq!(shaded, sky as u64, "the skybox shades just the pixels that nothing else covers");
+    let mut off = scene;
+    off.skybox.enabled = false;
+    assert_eq!(renderer.count_sky_pixels(&off, &target).unwrap(), 0);
+}
+
+#[test]
+fn an_occluder_costs_only_while_it_is_in_view() {
+    let mut renderer = renderer(&canyon());
+    let off = frame(&mut renderer, &start());
+    let mut scene = start();
+    scene.occluder.enabled = true;
+    scene.occluder.position = Some(DVec3::new(0.5, 0.1, 9.0));
+    let behind = frame(&mut renderer, &scene);
+    print("occluder out of view", &behind);
+    assert_eq!((&behind.passes, behind.draws, &behind.pipelines), (&off.passes, off.draws, &off.pipelines));
+    scene.occluder.position = None;
+    let seen = frame(&mut renderer, &scene);
+    assert_eq!(seen.passes, ["terrain", "occluder", "skybox"]);
+    assert_eq!(seen.texture_bytes, off.texture_bytes);
+}
+
+#[test]
+fn terrain_out_of_view_is_not_drawn() {
+    let map = canyon();
+    let scene = scene_from(&map, [0.5, 3.0, 2.0], [0.5, 3.0, 9.0], 60.0);
+    let ledger = first_frame(&scene);
+    print("terrain out of view", &ledger);
+    assert_eq!(ledger.passes, ["skybox"]);
+    assert_eq!(ledger.draws, 1);
+    assert!(ledger.shader_defs.is_empty());
+    assert_eq!(ledger.pipelines.len(), 1, "not even its pipeline is built");
+}
+
+/// One toggle at a time, off from the defaults.
+#[test]
+fn what_is_off_has_no_def_and_no_texture() {
+    let cheaper = |change: &dyn Fn(&mut Scene)| {
+        let mut scene = start();
+        change(&mut scene);
+        first_frame(&scene)
+    };
+    let dark = cheaper(&|scene| scene.lighting.enabled = false);
+    assert!(!has_def(&dark, "LIGHTING") && !has_def(&dark, "SURFACE_NORMAL"), "{:?}", dark.shader_defs);
+    let plain = cheaper(&|scene| scene.diffuse.enabled = false);
+    assert!(!has_def(&plain, "DIFFUSE_TEXTURE") && !has_texture(&plain, "diffuse"));
+    let bare = cheaper(&|scene| scene.skybox.enabled = false);
+    assert!(!has_texture(&bare, "sky") && bare.passes == ["terrain"]);
+    for technique in [Technique::Linear, Technique::LinearBinary] {
+        let sampled = cheaper(&|scene| scene.march.technique = technique);
+        assert!(!has_texture(&sampled, "pyramid"), "{technique:?}");
+    }
+    let position = cheaper(&|scene| scene.debug.view = DebugView::Position);
+    assert_eq!(position.shader_defs, ["VIEW_POSITION"], "no ray, no light, no colour");
+    assert!(!has_texture(&position, "pyramid") && !has_texture(&position, "diffuse"));
+    let steps = cheaper(&|scene| scene.debug.view = DebugView::Steps);
+    assert!(!has_def(&steps, "LIGHTING") && !has_texture(&steps, "diffuse"));
+}
+
+/// What was on and is off again leaves no texture behind.
+#[test]
+fn what_is_switched_off_is_given_back() {
+    let mut renderer = renderer(&canyon());
+    let mut scene = start();
+    frame(&mut renderer, &scene);
+    scene.craters.mode = CraterMode::Layered;
+    scene.craters.list = craters(&canyon());
+    frame(&mut renderer, &scene);
+    let off = frame(&mut renderer, &everything_off());
+    assert_eq!(textures(&off), ["heights", "picture", "depth"]);
+    assert_eq!(off.passes, ["terrain"]);
+}
+
+#[test]
+fn pipelines_are_built_on_first_use_and_kept() {
+    let mut renderer = Renderer::new(gpu()).unwrap();
+    assert!(renderer.ledger().pipelines.is_empty());
+    renderer.set_terrain(canyon()).unwrap();
+    let mut lit = start();
+    let mut dark = start();
+    dark.lighting.enabled = false;
+    assert_eq!(frame(&mut renderer, &lit).pipelines.len(), 2, "terrain and skybox");
+    assert_eq!(frame(&mut renderer, &dark).pipelines.len(), 3);
+    assert_eq!(frame(&mut renderer, &lit).pipelines.len(), 3, "back to one that is there");
+    // Numbers are not compiled in, and neither is what the technique does not use.
+    lit.lighting.ambient = 0.5;
+    lit.march.samples_max = 100;
+    lit.march.steps_by_angle = false;
+    lit.terrain.height_scale = Some(0.3);
+    lit.craters.list = vec![Crater { x: 0.5, z: 0.5, radius: 0.1, depth: 0.1, rim: 0.0 }];
+    assert_eq!(frame(&mut renderer, &lit).pipelines.len(), 3);
+}
