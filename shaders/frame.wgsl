@@ -13,7 +13,6 @@ struct Frame {
     // Width of a pixel at view depth 1.
     pixel_size: f32,
     ray_origin_down: vec3f,
-    // Seconds are not in here: a frame depends on the scene alone.
     padding: f32,
     // Direction of the central ray, with a view depth of 1, and its change per pixel.
     ray_direction: vec3f,

@@ -53,10 +53,6 @@ struct Terrain {
 // Displacements of the craters as shares of the box's height, at a resolution of their own.
 @group(1) @binding(4) var crater_layer: texture_2d<f32>;
 
-fn layer_texel(texel: vec2i) -> f32 {
-    return textureLoad(crater_layer, texel, 0).r;
-}
-
 // Displacement at the grid position `p`, as a share of the box's height.
 fn layer_displacement(p: vec2f) -> f32 {
     let q = p / vec2f(terrain.cells) * terrain.layer_cells;
@@ -65,10 +61,8 @@ fn layer_displacement(p: vec2f) -> f32 {
 #else
     let base = clamp(floor(q), vec2f(0.0), terrain.layer_cells - 1.0);
     let f = q - base;
-    let i = vec2i(base);
-    let north = mix(layer_texel(i), layer_texel(i + vec2i(1, 0)), f.x);
-    let south = mix(layer_texel(i + vec2i(0, 1)), layer_texel(i + vec2i(1, 1)), f.x);
-    return mix(north, south, f.y);
+    let shared_corner = (base + 1.0) / (terrain.layer_cells + 1.0);
+    return bilinear(textureGather(0, crater_layer, corner_sampler, shared_corner).wzxy, f);
 #endif
 }
 #endif

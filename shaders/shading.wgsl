@@ -9,42 +9,42 @@
 @group(1) @binding(6) var diffuse_sampler: sampler;
 #endif
 
-// Sobel operator at sample `texel` from its 3×3 neighbourhood `n` (rows from the north), as height per cell along x
-// and z. At the map's border the neighbour is the sample itself and the difference spans one cell instead of two.
-fn sobel(north: vec3f, middle: vec3f, south: vec3f, texel: vec2i) -> vec2f {
-    let span = vec2f(min(texel + 1, terrain.cells) - max(texel - 1, vec2i(0)));
-    let east_west = (north.z + 2.0 * middle.z + south.z) - (north.x + 2.0 * middle.x + south.x);
-    let south_north = (south.x + 2.0 * south.y + south.z) - (north.x + 2.0 * north.y + north.z);
-    return vec2f(east_west, south_north) / (4.0 * span);
+// Weights of the Sobel operator's difference along an axis, over the four samples around the cell `first`, at the
+// fraction `f` of the way from its first to its second corner. At the map's border, samples 0 and `last`, the neighbour
+// beyond is the sample itself and the difference spans one cell instead of two.
+fn difference_weights(first: i32, last: i32, f: f32) -> vec4f {
+    let a = (1.0 - f) * select(0.5, 1.0, first == 0);
+    let b = f * select(0.5, 1.0, first + 1 == last);
+    return vec4f(-a, -b, a, b);
+}
+
+// Weights of its smoothing across the axis: 1, 2, 1 at each corner.
+fn smoothing_weights(f: f32) -> vec4f {
+    return 0.25 * vec4f(1.0 - f, 2.0 - f, 1.0 + f, f);
 }
 
 // Normal of the ground at the grid position `p`, world space: the Sobel gradients of the four samples around it,
-// interpolated, so that it is continuous although the patches have creases.
+// interpolated, so that it is continuous although the patches have creases. The operator is separable, and so is the
+// interpolation: both together are one weight for each row and column of the 4×4 samples around the cell.
 fn ground_normal(p: vec2f) -> vec3f {
     let cell = clamp(vec2i(floor(p)), vec2i(0), terrain.cells - 1);
     let f = p - vec2f(cell);
-    // The 4×4 samples around the cell.
     let north_west = cell_corners(cell - 1);
     let north_east = cell_corners(cell + vec2i(1, -1));
     let south_west = cell_corners(cell + vec2i(-1, 1));
     let south_east = cell_corners(cell + 1);
-    let rows = array<vec4f, 4>(
+    let rows = mat4x4f(
         vec4f(north_west.xy, north_east.xy),
         vec4f(north_west.zw, north_east.zw),
         vec4f(south_west.xy, south_east.xy),
         vec4f(south_west.zw, south_east.zw),
     );
-    let north = mix(
-        sobel(rows[0].xyz, rows[1].xyz, rows[2].xyz, cell),
-        sobel(rows[0].yzw, rows[1].yzw, rows[2].yzw, cell + vec2i(1, 0)),
-        f.x,
-    );
-    let south = mix(
-        sobel(rows[1].xyz, rows[2].xyz, rows[3].xyz, cell + vec2i(0, 1)),
-        sobel(rows[1].yzw, rows[2].yzw, rows[3].yzw, cell + vec2i(1, 1)),
-        f.x,
-    );
-    let gradient = mix(north, south, f.y) * terrain.cells_per_unit;
+    let along_x = difference_weights(cell.x, terrain.cells.x, f.x) * rows;
+    let along_z = smoothing_weights(f.x) * rows;
+    let gradient = vec2f(
+        dot(along_x, smoothing_weights(f.y)),
+        dot(along_z, difference_weights(cell.y, terrain.cells.y, f.y)),
+    ) * terrain.cells_per_unit;
     return normalize(vec3f(-gradient.x, 1.0, -gradient.y));
 }
 

@@ -3,6 +3,7 @@
 
 #import relief::frame::{frame, Ray, pixel_ray, cube_corner}
 #import relief::constants::NEAR
+#import relief::srgb::from_srgb
 #import relief::heightfield::{terrain, Segment, NO_HIT}
 #ifndef VIEW_POSITION
 #import relief::march::march
@@ -61,23 +62,23 @@ struct Span {
     to_floor: bool,
 }
 
-const RECIPROCAL_OF_ZERO: f32 = 1e30;
-
-fn reciprocal(d: vec3f) -> vec3f {
-    return select(1.0 / d, vec3f(RECIPROCAL_OF_ZERO), abs(d) < vec3f(1.0 / RECIPROCAL_OF_ZERO));
-}
+// A ray that is parallel to two faces is between them this long, or never.
+const FOR_EVER: f32 = 1e30;
 
 fn clip_to_box(ray: Ray) -> Span {
-    let inverse = reciprocal(ray.direction);
 #ifdef LOWER_START
     let top = terrain.highest;
 #else
     let top = terrain.size.y;
 #endif
-    let first = (vec3f(0.0) - ray.origin) * inverse;
-    let second = (vec3f(terrain.size.x, top, terrain.size.z) - ray.origin) * inverse;
-    let enter = min(first, second);
-    let leave = max(first, second);
+    let far_corner = vec3f(terrain.size.x, top, terrain.size.z);
+    let parallel = abs(ray.direction) < vec3f(1.0 / FOR_EVER);
+    let divisor = select(ray.direction, vec3f(1.0), parallel);
+    let first = -ray.origin / divisor;
+    let second = (far_corner - ray.origin) / divisor;
+    let between = select(vec3f(FOR_EVER), vec3f(-FOR_EVER), (ray.origin >= vec3f(0.0)) & (ray.origin <= far_corner));
+    let enter = select(min(first, second), between, parallel);
+    let leave = select(max(first, second), -between, parallel);
     let end = min(min(leave.x, leave.y), leave.z);
     var span = Span(-frame.ray_start, end, 3u, ray.direction.y < 0.0 && leave.y == end);
     for (var axis = 0u; axis < 3u; axis++) {
@@ -179,8 +180,3 @@ fn surface_normal(at_entry: bool, axis: u32, p: vec2f, direction: vec3f) -> vec3
 #endif
 
 #endif
-
-// Debug colours are meant as the bytes on the screen; the target encodes linear light.
-fn from_srgb(c: vec3f) -> vec3f {
-    return select(pow((c + 0.055) / 1.055, vec3f(2.4)), c / 12.92, c <= vec3f(0.04045));
-}

@@ -94,8 +94,11 @@ fn march(ray: Segment) -> Hit {
     let inverse = vec2f(reciprocal(ray.direction.x), reciprocal(ray.direction.z));
     // A ray without a direction along an axis counts as going up: its wall is then RECIPROCAL_OF_ZERO away, or at 0.
     let course = Course(inverse, vec2i(inverse >= vec2f(0.0)));
-    let origin = ray.origin.xz;
     let direction = ray.direction.xz;
+    // A ray along the map's eastern or southern border belongs to the last cells, not to the wall behind them.
+    let parallel = abs(direction) < vec2f(1.0 / RECIPROCAL_OF_ZERO);
+    let before_border = vec2f(terrain.cells) * (1.0 - 1.2e-7);
+    let origin = select(ray.origin.xz, min(ray.origin.xz, before_border), parallel);
     let cell = clamp(vec2i(floor(origin)), vec2i(0), terrain.cells - 1);
     var walk = Walk(0.0, terrain.top_level, cell >> vec2u(terrain.top_level), 0u);
     while walk.steps < terrain.step_cap {
@@ -119,6 +122,10 @@ fn march(ray: Segment) -> Hit {
                     return Hit(NO_HIT, walk.steps, 0u);
                 }
             }
+        }
+        if walk.level > 0u {
+            // The cap ended the walk above the cells.
+            break;
         }
         walk.steps += 1u;
         let walls = walls_ahead(walk, course, origin);

@@ -33,14 +33,25 @@ pub struct Capabilities {
 /// Why there is no device.
 #[derive(Debug, thiserror::Error)]
 pub enum GpuError {
-    /// No adapter at all, or none that the choice allows.
+    /// Adapters, but none that the choice allows.
     #[error(
-        "no usable GPU adapter was found{}\n  Relief draws with Vulkan, Metal or Direct3D 12 and no driver for any of them answered\n  \
-         install a Vulkan driver: `apt-get install mesa-vulkan-drivers` (Debian, Ubuntu), `dnf install mesa-vulkan-drivers` \
-         (Fedora), `pacman -S vulkan-swrast` (Arch); on NVIDIA hardware the vendor's driver brings its own",
-        .0.as_ref().map(|name| format!(" that matches {ADAPTER_VARIABLE}={name}")).unwrap_or_default()
+        "no GPU adapter matches {ADAPTER_VARIABLE}={choice}\n  this machine has: {available}\n  \
+         name one of them, or unset {ADAPTER_VARIABLE}"
     )]
-    NoAdapter(Option<String>),
+    NoSuchAdapter {
+        /// The variable's value.
+        choice: String,
+        /// Names of the adapters that could be used.
+        available: String,
+    },
+    /// No adapter at all.
+    #[error(
+        "no usable GPU adapter was found\n  \
+         Relief draws with Vulkan, Metal or Direct3D 12 and no driver for any of them answered\n  \
+         install a Vulkan driver: `apt-get install mesa-vulkan-drivers` (Debian, Ubuntu), `dnf install mesa-vulkan-drivers` \
+         (Fedora), `pacman -S vulkan-swrast` (Arch); on NVIDIA hardware the vendor's driver brings its own"
+    )]
+    NoAdapter,
     /// The adapter refused to give a device.
     #[error(
         "the GPU adapter {adapter} gave no device\n  {reason}\n  update its driver, or choose another adapter with {ADAPTER_VARIABLE}=NAME"
@@ -66,6 +77,7 @@ pub struct Gpu {
     /// What it offers.
     pub capabilities: Capabilities,
     lost: Arc<Mutex<Option<String>>>,
+    error: Arc<Mutex<Option<String>>>,
 }
 
 impl fmt::Debug for Gpu {
@@ -106,7 +118,15 @@ impl Gpu {
             filterable_float32: true,
             max_texture: device.limits().max_texture_dimension_2d,
         };
-        Arc::new(Self { instance: Self::instance(), adapter: None, device, queue, capabilities, lost: Arc::default() })
+        Arc::new(Self {
+            instance: Self::instance(),
+            adapter: None,
+            device,
+            queue,
+            capabilities,
+            lost: Arc::default(),
+            error: Arc::default(),
+        })
     }
 
     /// Names of the adapter and of its driver with the version.
@@ -118,6 +138,11 @@ impl Gpu {
     /// Why the device was lost, once it is.
     pub fn lost(&self) -> Option<String> {
         self.lost.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// The first error that nobody caught since the last call: out of memory, for instance.
+    pub fn take_error(&self) -> Option<String> {
+        self.error.lock().unwrap_or_else(PoisonError::into_inner).take()
     }
 
     async fn request(instance: wgpu::Instance, surface: Option<&wgpu::Surface<'_>>) -> Result<Arc<Self>, GpuError> {
@@ -144,9 +169,15 @@ impl Gpu {
         device.set_device_lost_callback(move |reason, message| {
             *note.lock().unwrap_or_else(PoisonError::into_inner) = Some(format!("{reason:?}: {message}"));
         });
-        // wgpu's default handler panics. Out of memory and driver errors end in the log and in a dead frame instead.
-        device.on_uncaptured_error(Arc::new(|error| log::error!("the GPU reported: {error}")));
-        Ok(Arc::new(Self { instance, adapter: Some(adapter), device, queue, capabilities, lost }))
+        // wgpu's default handler panics. The renderer hands the first error on instead; those that follow from it are
+        // of interest to nobody but a debugger.
+        let error: Arc<Mutex<Option<String>>> = Arc::default();
+        let first = Arc::clone(&error);
+        device.on_uncaptured_error(Arc::new(move |error| {
+            log::debug!("the GPU reported: {error}");
+            first.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert_with(|| error.to_string());
+        }));
+        Ok(Arc::new(Self { instance, adapter: Some(adapter), device, queue, capabilities, lost, error }))
     }
 
     async fn choose_adapter(
@@ -156,20 +187,22 @@ impl Gpu {
         let choice = std::env::var(ADAPTER_VARIABLE).ok().filter(|name| !name.is_empty());
         if let Some(choice) = choice {
             let wanted = choice.to_lowercase();
-            return instance
-                .enumerate_adapters(wgpu::Backends::PRIMARY)
-                .await
-                .into_iter()
-                .find(|adapter| {
-                    let info = adapter.get_info();
-                    let named = if wanted == "cpu" {
-                        info.device_type == wgpu::DeviceType::Cpu
-                    } else {
-                        info.name.to_lowercase().contains(&wanted)
-                    };
-                    named && surface.is_none_or(|surface| adapter.is_surface_supported(surface))
-                })
-                .ok_or(GpuError::NoAdapter(Some(choice)));
+            let mut adapters = instance.enumerate_adapters(wgpu::Backends::PRIMARY).await;
+            adapters.retain(|adapter| surface.is_none_or(|surface| adapter.is_surface_supported(surface)));
+            let matches = |adapter: &wgpu::Adapter| {
+                let info = adapter.get_info();
+                (wanted == "cpu" && info.device_type == wgpu::DeviceType::Cpu)
+                    || info.name.to_lowercase().contains(&wanted)
+            };
+            if let Some(index) = adapters.iter().position(matches) {
+                return Ok(adapters.swap_remove(index));
+            }
+            let names: Vec<_> = adapters.iter().map(|adapter| adapter.get_info().name).collect();
+            return Err(if names.is_empty() {
+                GpuError::NoAdapter
+            } else {
+                GpuError::NoSuchAdapter { choice, available: names.join(", ") }
+            });
         }
         instance
             .request_adapter(&wgpu::RequestAdapterOptions {
@@ -178,6 +211,6 @@ impl Gpu {
                 ..Default::default()
             })
             .await
-            .map_err(|_| GpuError::NoAdapter(None))
+            .map_err(|_| GpuError::NoAdapter)
     }
 }

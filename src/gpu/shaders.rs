@@ -26,6 +26,7 @@ const EMBEDDED: &[(&str, &str)] = embed![
     "sampling.wgsl",
     "shading.wgsl",
     "skybox.wgsl",
+    "srgb.wgsl",
     "terrain.wgsl",
 ];
 
@@ -84,8 +85,11 @@ impl ShaderSources {
             file: file.to_owned(),
             message: error.emit_to_string(composer),
         };
+        // What generated modules may import.
+        let srgb = self.text("srgb.wgsl")?;
         let constants = format!("#define_import_path relief::constants\nconst NEAR: f32 = {NEAR:?};\n");
-        let generated = std::iter::once(("constants", constants.as_str()))
+        let generated = [("constants", constants.as_str()), ("srgb.wgsl", srgb)]
+            .into_iter()
             .chain(self.generated.iter().map(|(name, text)| (*name, text.as_str())));
         let mut sources: Vec<(&str, &str)> = generated.collect();
         for &module in modules {

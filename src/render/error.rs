@@ -54,6 +54,11 @@ pub enum RenderError {
         /// What to do instead.
         instead: &'static str,
     },
+    /// The driver refused an allocation or a command.
+    #[error(
+        "the GPU's driver refused to work\n  {0}\n  try a smaller window or picture, or another adapter (RELIEF_ADAPTER=NAME)"
+    )]
+    Driver(String),
     /// The device was lost.
     #[error(
         "the GPU device was lost: {0}\n  the driver reset or removed it; start again, and update the driver if it happens often"

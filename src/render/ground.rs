@@ -1,8 +1,6 @@
 //! The terrain's textures: heights, pyramid, crater layer. Each exists only while a frame needs it, and an edit uploads
 //! only what it touched.
 
-use std::sync::Arc;
-
 use crate::gpu::Gpu;
 use crate::heightfield::{Crater, CraterLayer, Edit, EditedTerrain, HeightField, MaxPyramid, NodeRect, SampleRect};
 use crate::scene::{CraterMode, CraterSettings};
@@ -18,13 +16,6 @@ const MOST_TOP_NODES: u32 = 16;
 
 /// Bytes handed to the driver in one go, so that a large map needs no second copy of itself in staging memory.
 const UPLOAD_BYTES: usize = 32 << 20;
-
-/// What the terrain's textures have to hold for a frame.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct GroundNeeds {
-    /// The technique walks the pyramid.
-    pub(super) pyramid: bool,
-}
 
 /// A map on the CPU, with craters, and its copies on the GPU.
 #[derive(Debug)]
@@ -57,10 +48,11 @@ struct Layer {
 }
 
 impl Ground {
-    pub(super) fn new(gpu: &Gpu, map: Arc<HeightField>) -> Self {
+    pub(super) fn new(gpu: &Gpu, terrain: EditedTerrain) -> Self {
+        let map = terrain.base();
         let heights = float_texture(gpu, "heights", [map.width(), map.height()], 1);
         let mut ground = Self {
-            terrain: EditedTerrain::new(map),
+            terrain,
             heights,
             heights_have_craters: true,
             pyramid: None,
@@ -78,7 +70,7 @@ impl Ground {
     }
 
     /// Brings the textures up to date with the scene's craters and drops what the frame does not need.
-    pub(super) fn prepare(&mut self, gpu: &Gpu, craters: &CraterSettings, needs: GroundNeeds) {
+    pub(super) fn prepare(&mut self, gpu: &Gpu, craters: &CraterSettings, walks_pyramid: bool) {
         let edit = self.terrain.set_craters(&craters.list);
         if let Some(edit) = &edit {
             self.changed = Some(self.changed.map_or(edit.samples, |rect| rect.union(edit.samples)));
@@ -93,7 +85,7 @@ impl Ground {
             self.heights_have_craters = true;
             self.upload_edit(gpu, edit);
         }
-        match (needs.pyramid, self.pyramid.is_some()) {
+        match (walks_pyramid, self.pyramid.is_some()) {
             (true, false) => self.upload_pyramid(gpu),
             (false, true) => self.pyramid = None,
             _ => {}
@@ -133,9 +125,9 @@ impl Ground {
         self.used_levels(self.terrain.pyramid())
     }
 
-    /// The highest ground, normalised. With a layer its highest displacement may come on top.
+    /// The highest ground, normalised. With a layer it is not known without reading all of both, so it is the lid.
     pub(super) fn highest(&self) -> f32 {
-        if let Some(layer) = &self.layer { (1.0 + layer.rise).min(1.0) } else { self.terrain.pyramid().top() }
+        if self.layer.is_some() { 1.0 } else { self.terrain.pyramid().top() }
     }
 
     pub(super) fn list(&self, entries: &mut Vec<TextureEntry>) {
@@ -256,6 +248,10 @@ fn upload(gpu: &Gpu, texture: &wgpu::Texture, mip: u32, data: &[f32], stride: u3
             wgpu::Extent3d { width: rect.width, height, depth_or_array_layers: 1 },
         );
         y += height;
+        if y < rect.y + rect.height {
+            // Staging memory is only given back with a submission.
+            gpu.queue.submit([]);
+        }
     }
     u64::from(rect.width) * u64::from(rect.height) * size_of::<f32>() as u64
 }

@@ -20,7 +20,7 @@ pub fn heat_map_colour(share: f32) -> [u8; 3] {
 /// The module `relief::heat_map`: the same function in WGSL, in linear light.
 pub(super) fn wgsl() -> String {
     let count = STOPS.len();
-    let mut text = String::from("#define_import_path relief::heat_map\n\n");
+    let mut text = String::from("#define_import_path relief::heat_map\n#import relief::srgb::from_srgb\n\n");
     let list: Vec<_> = STOPS.iter().map(|[r, g, b]| format!("vec3f({r}.0, {g}.0, {b}.0)")).collect();
     // Writing to a string cannot fail.
     let _ = write!(
@@ -29,8 +29,7 @@ pub(super) fn wgsl() -> String {
     var stops = array<vec3f, {count}>({});
     let scaled = clamp(share, 0.0, 1.0) * {}.0;
     let below = min(u32(scaled), {}u);
-    let c = mix(stops[below], stops[below + 1u], scaled - f32(below)) / 255.0;
-    return select(pow((c + 0.055) / 1.055, vec3f(2.4)), c / 12.92, c <= vec3f(0.04045));
+    return from_srgb(mix(stops[below], stops[below + 1u], scaled - f32(below)) / 255.0);
 }}
 ",
         list.join(", "),

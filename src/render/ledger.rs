@@ -5,19 +5,20 @@ use serde::Serialize;
 /// What the last frame cost and what is alive.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Ledger {
-    /// Passes of the last frame in their order: `terrain`, `wireframe`, `occluder`, `skybox`, `present`, `egui`.
+    /// Passes in their order: `terrain`, `wireframe`, `occluder`, `skybox` of the last scene frame, then `present` and
+    /// `egui` of the last time it was shown. A frame of the panel alone runs only those two again.
     pub passes: Vec<String>,
-    /// Pipelines alive, by name.
+    /// The renderer's pipelines alive, by name.
     pub pipelines: Vec<String>,
-    /// Draw calls of the last frame.
+    /// Draw calls of those passes.
     pub draws: u32,
-    /// Textures alive.
+    /// The renderer's textures alive, the target's included; those of the panel are egui's.
     pub textures: Vec<TextureEntry>,
     /// Their bytes.
     pub texture_bytes: u64,
     /// Shader defs of the terrain's pipeline; empty where no terrain was drawn.
     pub shader_defs: Vec<String>,
-    /// Bytes uploaded to textures for the last frame.
+    /// Bytes uploaded to textures since the scene frame before the last.
     pub uploaded_bytes: u64,
     /// Scene frames drawn since the renderer was made; a change of the panel alone draws none.
     pub scene_frames: u64,

@@ -29,6 +29,7 @@ use glam::{DMat4, DVec3, DVec4};
 
 use crate::camera::{Camera, NamedView};
 use crate::gpu::{DEPTH_CLEAR, FrameTimer, Gpu, Target};
+use crate::heightfield::colour::Diffuse;
 use crate::heightfield::{EditedTerrain, HeightField};
 use crate::scene::Scene;
 
@@ -40,7 +41,7 @@ pub use probe::Probe;
 use cube::{Cube, clip_corners, in_view};
 use drape::Drape;
 use frame::{FrameBindings, FrameUniform};
-use ground::{Ground, GroundNeeds};
+use ground::Ground;
 use occluder::CubeBindings;
 use pipelines::{Built, PipelineKey, Pipelines};
 use skybox::Skybox;
@@ -64,6 +65,31 @@ pub struct Renderer {
     skybox: Option<Skybox>,
     timer: FrameTimer,
     ledger: Ledger,
+    /// Draws of the passes that were noted since the last scene frame, by name.
+    shown: Vec<(String, u32)>,
+    /// Bytes uploaded since the last scene frame.
+    uploaded: u64,
+}
+
+/// A terrain whose slow parts are computed: the maximum pyramid and, with [`Self::with_colours`], the diffuse texture.
+#[derive(Debug)]
+pub struct PreparedTerrain {
+    terrain: EditedTerrain,
+    colours: Option<Diffuse>,
+}
+
+impl PreparedTerrain {
+    /// Builds the pyramid of `map`; colours are painted when a frame first needs them.
+    pub fn new(map: Arc<HeightField>) -> Self {
+        Self { terrain: EditedTerrain::new(map), colours: None }
+    }
+
+    /// Paints the diffuse texture, too.
+    #[must_use]
+    pub fn with_colours(mut self) -> Self {
+        self.colours = Some(drape::paint(self.terrain.field()));
+        self
+    }
 }
 
 /// One draw of the scene's render pass.
@@ -100,6 +126,8 @@ impl Renderer {
             skybox: None,
             timer: FrameTimer::new(&gpu),
             ledger: Ledger::default(),
+            shown: Vec::new(),
+            uploaded: 0,
             gpu,
         })
     }
@@ -110,21 +138,30 @@ impl Renderer {
     /// [`RenderError::TerrainTooLarge`] where a side exceeds the adapter's textures, [`RenderError::OutOfMemory`] where
     /// they cannot be allocated.
     pub fn set_terrain(&mut self, map: Arc<HeightField>) -> Result<(), RenderError> {
+        self.set_prepared_terrain(PreparedTerrain::new(map))
+    }
+
+    /// Replaces the terrain by one whose slow parts were prepared elsewhere, on another thread for instance.
+    ///
+    /// # Errors
+    /// As [`Self::set_terrain`].
+    pub fn set_prepared_terrain(&mut self, prepared: PreparedTerrain) -> Result<(), RenderError> {
+        let map = prepared.terrain.base();
         let (width, height, limit) = (map.width(), map.height(), self.gpu.capabilities.max_texture);
         if width > limit || height > limit {
             return Err(RenderError::TerrainTooLarge { width, height, limit });
         }
         let scope = self.gpu.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
-        let ground = Ground::new(&self.gpu, map);
+        let ground = Ground::new(&self.gpu, prepared.terrain);
         if let Some(error) = pollster::block_on(scope.pop()) {
             return Err(RenderError::OutOfMemory { width, height, reason: error.to_string() });
         }
         self.ground = Some(ground);
-        self.drape = None;
+        self.drape = Some(Drape::new(prepared.colours));
         Ok(())
     }
 
-    /// The terrain on the CPU, with the craters of the last frame.
+    /// The terrain on the CPU, with the craters of the last frame baked into it, whichever way they are drawn.
     pub fn terrain(&self) -> Option<&EditedTerrain> {
         self.ground.as_ref().map(Ground::terrain)
     }
@@ -168,7 +205,7 @@ impl Renderer {
         counter: Option<&probe::PixelCounter>,
     ) -> Result<(), RenderError> {
         self.check_device()?;
-        let (draws, defs, uploaded) = self.prepare(scene, target.size(), false)?;
+        let (draws, defs) = self.prepare(scene, target.size(), false)?;
         let mut encoder =
             self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("frame") });
         {
@@ -201,8 +238,8 @@ impl Renderer {
             counter.resolve(&mut encoder);
         }
         self.timer.submit(&self.gpu, encoder);
-        self.note_frame(&draws, defs, uploaded, target);
-        Ok(())
+        self.note_frame(&draws, defs, target);
+        self.check_device()
     }
 
     /// Copies the kept picture over all of an open pass on a window of `format`, and notes it in the ledger.
@@ -222,11 +259,18 @@ impl Renderer {
     }
 
     /// Notes a pass of the caller's in the ledger. A pass noted again replaces its earlier self: a frame of the panel
-    /// alone presents the kept picture anew.
+    /// alone shows the kept picture anew.
     pub fn note_pass(&mut self, name: &str, draws: u32) {
-        if !self.ledger.passes.iter().any(|pass| pass == name) {
-            self.ledger.passes.push(name.to_owned());
-            self.ledger.draws += draws;
+        match self.shown.iter_mut().find(|(noted, _)| noted == name) {
+            Some((_, noted)) => {
+                self.ledger.draws = self.ledger.draws - *noted + draws;
+                *noted = draws;
+            }
+            None => {
+                self.shown.push((name.to_owned(), draws));
+                self.ledger.passes.push(name.to_owned());
+                self.ledger.draws += draws;
+            }
         }
     }
 
@@ -252,32 +296,35 @@ impl Renderer {
         Ok(self.pipelines.reload(&self.gpu, &self.frame.layout)?)
     }
 
+    /// Whether the device is still there and has not complained since the last call.
     fn check_device(&self) -> Result<(), RenderError> {
-        self.gpu.lost().map_or(Ok(()), |reason| Err(RenderError::DeviceLost(reason)))
+        if let Some(reason) = self.gpu.lost() {
+            return Err(RenderError::DeviceLost(reason));
+        }
+        self.gpu.take_error().map_or(Ok(()), |reason| Err(RenderError::Driver(reason)))
     }
 
-    /// Brings textures and uniforms up to date with `scene`; returns the draws, the terrain's defs, and the bytes
-    /// uploaded. Whatever can fail comes before anything is changed that a later frame would show.
+    /// Brings textures and uniforms up to date with `scene`; returns the draws and the terrain's defs. Where that fails
+    /// nothing is drawn; the next frame brings up to date whatever then differs.
     fn prepare(
         &mut self,
         scene: &Scene,
         size: [u32; 2],
         probe: bool,
-    ) -> Result<(Vec<Draw>, Vec<&'static str>, u64), RenderError> {
-        let mut uploaded = 0;
+    ) -> Result<(Vec<Draw>, Vec<&'static str>), RenderError> {
         let view = self.view(scene, size);
         let key = TerrainKey::of(scene, probe);
         if !probe {
-            uploaded += self.prepare_drape(scene, key)?;
-            uploaded += self.prepare_skybox(scene)?;
+            self.prepare_drape(scene, key)?;
+            self.prepare_skybox(scene)?;
         }
         if let Some(ground) = &mut self.ground {
-            ground.prepare(&self.gpu, &scene.craters, GroundNeeds { pyramid: key.needs_pyramid() });
+            ground.prepare(&self.gpu, &scene.craters, key.needs_pyramid());
             if !probe && let Some(rect) = ground.take_changed() {
                 let field = ground.terrain().field();
-                uploaded += self.drape.as_mut().map_or(0, |drape| drape.update(&self.gpu, field, rect));
+                self.uploaded += self.drape.as_mut().map_or(0, |drape| drape.update(&self.gpu, field, rect));
             }
-            uploaded += ground.take_uploaded();
+            self.uploaded += ground.take_uploaded();
         }
         let frame = FrameUniform::new(&view.camera, size, view.extent, scene.skybox.flattening);
         self.frame.write(&self.gpu, &frame);
@@ -299,7 +346,7 @@ impl Renderer {
             let group = skybox.group(&self.gpu, &built);
             draws.push(Draw { name: "skybox", built, group, edges: false });
         }
-        Ok((draws, defs, uploaded))
+        Ok((draws, defs))
     }
 
     fn view(&self, scene: &Scene, size: [u32; 2]) -> View {
@@ -317,33 +364,31 @@ impl Renderer {
         View { camera, clip_from_world: camera.clip_from_world(size), extent }
     }
 
-    fn prepare_drape(&mut self, scene: &Scene, key: TerrainKey) -> Result<u64, RenderError> {
+    fn prepare_drape(&mut self, scene: &Scene, key: TerrainKey) -> Result<(), RenderError> {
+        let Some(drape) = &mut self.drape else { return Ok(()) };
         if !key.diffuse {
-            self.drape = None;
-            return Ok(0);
+            drape.drop_texture();
+            return Ok(());
         }
-        let Some(ground) = &mut self.ground else { return Ok(0) };
-        if self.drape.as_ref().is_some_and(|drape| drape.matches(&scene.diffuse)) {
-            return Ok(0);
+        let Some(ground) = &mut self.ground else { return Ok(()) };
+        let field = ground.terrain().field();
+        if drape.prepare(&self.gpu, &scene.diffuse, field)? {
+            // A texture painted now shows all craters of the last frame already.
+            ground.take_changed();
         }
-        // A texture made now shows all craters of the last frame already.
-        let (drape, uploaded) = Drape::new(&self.gpu, &scene.diffuse, ground.terrain().field())?;
-        ground.take_changed();
-        self.drape = Some(drape);
-        Ok(uploaded)
+        self.uploaded += drape.take_uploaded();
+        Ok(())
     }
 
-    fn prepare_skybox(&mut self, scene: &Scene) -> Result<u64, RenderError> {
+    fn prepare_skybox(&mut self, scene: &Scene) -> Result<(), RenderError> {
         if !scene.skybox.enabled {
             self.skybox = None;
-            return Ok(0);
+        } else if !self.skybox.as_ref().is_some_and(|skybox| skybox.matches(scene)) {
+            let (skybox, uploaded) = Skybox::new(&self.gpu, scene)?;
+            self.uploaded += uploaded;
+            self.skybox = Some(skybox);
         }
-        if self.skybox.as_ref().is_some_and(|skybox| skybox.matches(scene)) {
-            return Ok(0);
-        }
-        let (skybox, uploaded) = Skybox::new(&self.gpu, scene)?;
-        self.skybox = Some(skybox);
-        Ok(uploaded)
+        Ok(())
     }
 
     fn terrain_draw(&mut self, scene: &Scene, view: &View, key: TerrainKey) -> Result<Option<Draw>, RenderError> {
@@ -366,7 +411,8 @@ impl Renderer {
     }
 
     fn wireframe_draw(&mut self, view: &View) -> Result<Option<Draw>, RenderError> {
-        let clip: [DVec4; 8] = clip_corners(view.clip_from_world, DMat4::from_scale(view.extent));
+        // A little outside the box, so that its own walls do not cut the edges into dashes.
+        let clip: [DVec4; 8] = clip_corners(view.clip_from_world, terrain::world_from_box(view.extent));
         if self.ground.is_none() || !in_view(&clip) {
             return Ok(None);
         }
@@ -399,15 +445,16 @@ impl Renderer {
         }
     }
 
-    fn note_frame(&mut self, draws: &[Draw], defs: Vec<&'static str>, uploaded: u64, target: &Target) {
+    fn note_frame(&mut self, draws: &[Draw], defs: Vec<&'static str>, target: &Target) {
         let mut textures = Vec::new();
         if let Some(ground) = &self.ground {
             ground.list(&mut textures);
         }
-        textures.extend(self.drape.as_ref().map(Drape::entry));
+        textures.extend(self.drape.as_ref().and_then(Drape::entry));
         textures.extend(self.skybox.as_ref().map(Skybox::entry));
         textures.push(TextureEntry::of("picture", &target.color));
         textures.push(TextureEntry::of("depth", &target.depth));
+        self.shown.clear();
         self.ledger = Ledger {
             passes: draws.iter().map(|draw| draw.name.to_owned()).collect(),
             pipelines: self.pipelines.names(),
@@ -415,7 +462,7 @@ impl Renderer {
             texture_bytes: textures.iter().map(|texture| texture.bytes).sum(),
             textures,
             shader_defs: defs.into_iter().map(str::to_owned).collect(),
-            uploaded_bytes: uploaded,
+            uploaded_bytes: std::mem::take(&mut self.uploaded),
             scene_frames: self.ledger.scene_frames + 1,
             sky_pixels: None,
         };

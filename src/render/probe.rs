@@ -36,7 +36,7 @@ impl Renderer {
     pub fn probe(&mut self, scene: &Scene, size: [u32; 2]) -> Result<Probe, RenderError> {
         self.check_device()?;
         let size = size.map(|side| side.clamp(1, self.gpu.capabilities.max_texture));
-        let (draws, _, _) = self.prepare(scene, size, true)?;
+        let (draws, _) = self.prepare(scene, size, true)?;
         let color = sized_texture(&self.gpu, "probe", size, PROBE_FORMAT, &[]);
         let depth = sized_texture(&self.gpu, "probe depth", size, DEPTH_FORMAT, &[]);
         let view = color.create_view(&wgpu::TextureViewDescriptor::default());

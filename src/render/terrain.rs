@@ -246,7 +246,7 @@ impl TerrainUniform {
             specular: light.specular,
             shininess: light.shininess,
             repeats: scene.diffuse.repeats,
-            texel_density: drape.map_or(1.0, |drape| drape.texels_across() as f32 / extent.x as f32),
+            texel_density: drape.map_or(1.0, |drape| drape.texel_density([extent.x, extent.z]) as f32),
             heat_map_max: scene.debug.heat_map_max.max(1) as f32,
             padding: [0.0; 2],
         }
@@ -321,7 +321,7 @@ impl TerrainBindings {
         }
         if key.diffuse {
             let sampler = if uniform.repeats > 1.0 { &self.repeated } else { &self.clamped };
-            entries.extend([(5, view(drape?.view())), (6, wgpu::BindingResource::Sampler(sampler))]);
+            entries.extend([(5, view(drape?.view()?)), (6, wgpu::BindingResource::Sampler(sampler))]);
         }
         let entries: Vec<_> =
             entries.into_iter().map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource }).collect();

@@ -127,7 +127,7 @@ fn what_is_off_is_not_in_the_shader() {
         functions.chain(globals).collect::<Vec<_>>().join(" ")
     };
     let full = names(&Scene::default());
-    for present in ["sobel", "lit", "diffuse_texture", "pyramid", "intersect_patch"] {
+    for present in ["ground_normal", "lit", "diffuse_texture", "pyramid", "intersect_patch"] {
         assert!(full.contains(present), "{present} is missing from {full}");
     }
     let mut bare = Scene::default();
@@ -136,7 +136,7 @@ fn what_is_off_is_not_in_the_shader() {
     bare.march.technique = Technique::Linear;
     bare.march.filter = HeightFilter::Nearest;
     let bare = names(&bare);
-    for absent in ["sobel", "diffuse_texture", "pyramid", "intersect_patch", "height_sampler", "crater_layer"] {
+    for absent in ["ground_normal", "diffuse_texture", "pyramid", "intersect_patch", "height_sampler", "crater_layer"] {
         assert!(!bare.contains(absent), "{absent} is in {bare}");
     }
     let mut layered = Scene::default();
