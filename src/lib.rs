@@ -8,13 +8,14 @@
 //! | [`heightfield`] | the map itself: loading, generating, the maximum pyramid, craters, the f64 reference |
 //! | [`scene`], [`camera`] | what to draw and from where, as plain data that can be saved |
 //! | [`scene_file`] | scenes as TOML files, with messages that help |
+//! | [`files`] | writing files whole or not at all |
 //! | [`gpu`] | the device and what it can do, targets and readback, timing, shader composition |
 //! | [`render`] | the [`Renderer`](render::Renderer), one file per pass with the stem of its shader, the ledger |
 //! | [`app`] | the window: input, panel, overlays. Only here are winit and egui |
 //! | [`cli`] | the commands |
 //!
-//! Imports run one way: `heightfield`, `scene`, `camera` ← `gpu` ← `render` ← `app` ← `cli`. The library renders without
-//! a window. `shaders/` mirrors [`render`]: one WGSL file per pass, and one per technique under `shaders/march/`.
+//! Imports run one way: `files`, `heightfield`, `scene`, `camera` ← `gpu` ← `render` ← `app` ← `cli`. The library renders
+//! without a window. `shaders/` mirrors [`render`]: one WGSL file per pass, and one per technique under `shaders/march/`.
 //!
 //! # Example
 //!
@@ -41,6 +42,7 @@
 pub mod app;
 pub mod camera;
 pub mod cli;
+pub mod files;
 pub mod gpu;
 pub mod heightfield;
 pub mod render;

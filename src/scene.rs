@@ -9,7 +9,7 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use crate::camera::Camera;
-use crate::heightfield::Crater;
+use crate::heightfield::{Crater, HeightField};
 
 /// Everything that a frame shows.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -44,7 +44,8 @@ pub struct TerrainSettings {
     /// scene file is relative to that file.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub file: Option<PathBuf>,
-    /// Height of the box in world units (the longer horizontal side is 1). Absent: the map's own proportion.
+    /// Height of the box in world units (the longer horizontal side is 1), 0 (flat) to 1000. Absent: the map's own
+    /// proportion.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub height_scale: Option<f64>,
 }
@@ -85,7 +86,7 @@ impl Technique {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum HeightFilter {
-    /// Four texel loads, interpolated in f32: the surface itself.
+    /// The four corners, interpolated in f32: the surface itself.
     #[default]
     Exact,
     /// The sampler's bilinear filter; its weights have 8 fractional bits.
@@ -236,6 +237,17 @@ impl Default for OccluderSettings {
     }
 }
 
+impl OccluderSettings {
+    /// The centre, world units, over `map` in a box of the size `extent`. Where none is set: the middle of the terrain,
+    /// half sunk into the ground.
+    pub fn centre(&self, map: &HeightField, extent: DVec3) -> DVec3 {
+        self.position.unwrap_or_else(|| {
+            let ground = map.surface_height(0.5, 0.5) * extent.y;
+            DVec3::new(extent.x * 0.5, ground + self.size * 0.25, extent.z * 0.5)
+        })
+    }
+}
+
 /// What the terrain pass shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
@@ -294,7 +306,8 @@ pub enum CraterMode {
     /// Written into the heights; only the touched part of the pyramid is rebuilt. Free per frame.
     #[default]
     Baked,
-    /// A second texture of its own resolution, added at every step (the study's way).
+    /// A second texture of its own resolution, added at every step (the study's way). The exact technique and the
+    /// normals read it at the map's samples, the others between them, too.
     Layered,
 }
 

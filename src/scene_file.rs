@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 
+use crate::heightfield::HEIGHT_SCALES;
 use crate::scene::Scene;
 
 /// Why a scene file could not be used.
@@ -146,7 +147,7 @@ pub fn validate(scene: &Scene) -> Result<(), OutOfRange> {
     use Bound::{Excluded, Included};
     let Scene { terrain, camera, march, diffuse, lighting, skybox, occluder, debug, craters } = scene;
     if let Some(scale) = terrain.height_scale {
-        check("terrain.height_scale", scale, Excluded(0.0), Included(1000.0))?;
+        check("terrain.height_scale", scale, Included(*HEIGHT_SCALES.start()), Included(*HEIGHT_SCALES.end()))?;
     }
     if let Some(camera) = camera {
         for value in camera.eye.to_array() {
@@ -306,5 +307,11 @@ mod tests {
     #[test]
     fn the_default_scene_is_valid() {
         assert_eq!(validate(&Scene::default()), Ok(()));
+    }
+
+    #[test]
+    fn a_flat_terrain_is_valid() {
+        assert_eq!(read_text("terrain.height_scale = 0").unwrap().terrain.height_scale, Some(0.0));
+        assert!(read_text("terrain.height_scale = 1000.1").is_err());
     }
 }

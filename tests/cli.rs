@@ -132,6 +132,14 @@ fn an_empty_file() {
 }
 
 #[test]
+fn the_name_of_a_file_does_not_garble_its_message() {
+    let bench = Bench::new();
+    bench.write("a: c; d.png", b"");
+    let run = run(&mut bench.command(["info", "a: c; d.png"]));
+    run.expect(3, &["error: cannot open a: c; d.png\n  the file is empty\n  "]).says_what_why_and_what_to_do();
+}
+
+#[test]
 fn a_truncated_file() {
     let bench = Bench::new();
     bench.map("whole.png", 64, 64);
@@ -188,6 +196,15 @@ fn a_png_that_promises_more_than_it_holds_is_refused_before_it_is_decoded() {
     bytes[16..24].copy_from_slice(&[0, 0, 0x75, 0x30, 0, 0, 0x75, 0x30]);
     bench.write("bomb.png", bytes);
     bench.relief("info bomb.png").expect(3, &["bomb.png"]).says_what_why_and_what_to_do();
+}
+
+#[test]
+fn a_sidecar_with_absurd_numbers_is_ignored_with_a_warning() {
+    let bench = Bench::new();
+    bench.map("map.png", 16, 16);
+    bench.write("map.toml", "extent_metres = [1e3, 1e3]\nlowest_metre = -1e308\nhighest_metre = 1e308\n");
+    bench.relief("render map.png -o out.png --size 8x8").expect(0, &["relief: warning: map.toml", "0 to 1000"]);
+    assert!(bench.path("out.png").exists());
 }
 
 // Scene files: exit 3.
@@ -313,11 +330,13 @@ fn arguments_that_make_no_sense() {
         ("--fov 180", "--fov"),
         ("--fov 0", "--fov"),
         ("--height-scale -0.1", "--height-scale"),
+        ("--height-scale 1000.1", "--height-scale"),
         ("--height-scale inf", "not finite"),
         ("--technique maxmipmap", "max-mipmap"),
         ("--crater 0.5", "--crater"),
         ("--crater 0.5,0.5,-1", "radius"),
-        ("--frames 0", "--frames"),
+        ("--frames 0 --stats out.json", "--frames"),
+        ("--frames 9", "--stats"),
         ("--repeats 0", "--repeats"),
         ("-", "standard input"),
         ("--no-such-option", "--no-such-option"),
@@ -388,6 +407,40 @@ fn the_statistics_have_their_keys() {
     assert!(stats["frame_ms"]["median"].as_f64().unwrap() <= stats["frame_ms"]["p95"].as_f64().unwrap());
     assert!(stats["steps"]["max"].as_f64().unwrap() >= stats["steps"]["mean"].as_f64().unwrap());
     assert!(stats["steps"]["mean"].as_f64().unwrap() > 0.0);
+}
+
+#[test]
+fn the_position_view_takes_no_steps() {
+    let bench = Bench::new();
+    let line = "render -o out.png --debug position --size 60x40 --stats out.json --depth out.exr";
+    bench.relief(line).expect(0, &[]);
+    let stats = json(&fs::read_to_string(bench.path("out.json")).unwrap());
+    assert_eq!(stats["steps"], serde_json::json!({ "mean": 0.0, "max": 0 }));
+    assert_eq!(stats["cap_hits"], 0);
+    assert!(bench.path("out.exr").exists());
+}
+
+#[test]
+fn a_flat_map_is_drawn_with_or_without_an_extent() {
+    let bench = Bench::new();
+    ImageBuffer::from_pixel(16, 16, Luma([700u16])).save(bench.path("flat.png")).unwrap();
+    let ground = |options: &str| {
+        bench
+            .relief(&format!("render flat.png -o out.png --stats out.json --size 32x20 --view down {options}"))
+            .expect(0, &[]);
+        json(&fs::read_to_string(bench.path("out.json")).unwrap())["steps"]["mean"].as_f64().unwrap()
+    };
+    assert!(ground("") > 0.0 && ground("--height-scale 0") > 0.0);
+    bench.write("flat.toml", "extent_metres = [1e3, 1e3]\nlowest_metre = 7\nhighest_metre = 7\n");
+    for view in ["start", "over", "graze", "valley", "horizon"] {
+        bench.relief(&format!("render flat.png -o out.png --size 32x20 --view {view}")).expect(0, &[]);
+    }
+    bench.relief("render flat.png -o sky.png --size 32x20 --eye 0.5,1,0.5 --target 0.5,2,0.5").expect(0, &[]);
+    for technique in ["linear", "linear-binary", "max-mipmap"] {
+        assert!(ground(&format!("--technique {technique}")) > 0.0, "{technique}");
+        let picture = |name: &str| image::open(bench.path(name)).unwrap().to_rgb8();
+        assert!(picture("out.png") != picture("sky.png"), "{technique} shows the ground");
+    }
 }
 
 #[test]

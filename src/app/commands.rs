@@ -37,7 +37,7 @@ impl Viewer {
             // Fails only when the event loop is gone, and with it whoever could be told.
             let _ = proxy.send_event(UserEvent::Loaded);
         };
-        if let Err(error) = self.loader.start(path, done) {
+        if let Err(error) = self.loader.start(path, self.facts.max_texture, done) {
             self.toasts.error(&format!("The old terrain stays: no thread to load on: {error}. Close some programs."));
         }
     }
@@ -52,8 +52,8 @@ impl Viewer {
             }
         };
         let (folder, proxy) = (self.screenshots.clone(), self.proxy.clone());
-        let mut scene = self.scene.clone();
-        scene.terrain.height_scale = Some(self.extent().y);
+        // What the picture shows, not what a key has changed since.
+        let scene = self.last_good.clone().unwrap_or_else(|| self.scene.clone());
         self.saving = true;
         let write = move || {
             let result = screenshot::save(&folder, &picture, &scene).map_err(|error| error.to_string());

@@ -205,6 +205,7 @@ impl Viewer {
             Ok(()) => {
                 self.drawn = Some(visible);
                 self.last_good = Some(self.scene.clone());
+                self.occluder_seen = graphics.renderer.ledger().passes.iter().any(|pass| pass == "occluder");
                 self.meter.scene_was_drawn(now);
                 // A new crater's rim may have risen over the eye.
                 self.settle_eye(graphics);

@@ -6,6 +6,7 @@ use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
 use crate::heightfield::HeightField;
 use crate::heightfield::load;
+use crate::render::{PreparedTerrain, RenderError};
 
 /// A map that was opened.
 #[derive(Debug)]
@@ -16,6 +17,8 @@ pub(crate) struct Opened {
     pub(crate) title: String,
     /// The map.
     pub(crate) map: Arc<HeightField>,
+    /// The same with its pyramid and colours, which take too long to make between two frames.
+    pub(crate) terrain: PreparedTerrain,
     /// What the user should know about it.
     pub(crate) warnings: Vec<String>,
 }
@@ -33,9 +36,14 @@ struct Job {
 }
 
 impl Loader {
-    /// Starts to open `path`; a map that is still being opened is forgotten. `done` is called from the other thread
-    /// once [`Loader::poll`] has something to say.
-    pub(crate) fn start(&mut self, path: PathBuf, done: impl FnOnce() + Send + 'static) -> std::io::Result<()> {
+    /// Starts to open `path`, of at most `limit` samples a side; a map that is still being opened is forgotten. `done` is
+    /// called from the other thread once [`Loader::poll`] has something to say.
+    pub(crate) fn start(
+        &mut self,
+        path: PathBuf,
+        limit: u32,
+        done: impl FnOnce() + Send + 'static,
+    ) -> std::io::Result<()> {
         let (sender, result) = channel();
         let file = path.clone();
         std::thread::Builder::new().name("load".into()).spawn(move || {
@@ -43,7 +51,7 @@ impl Loader {
             let _done = CallOnDrop(Some(done));
             let sender = sender;
             // Nobody listens any more when another file was opened meanwhile, or the window was closed.
-            let _ = sender.send(open(&file));
+            let _ = sender.send(open(&file, limit));
         })?;
         self.job = Some(Job { path, result });
         Ok(())
@@ -80,14 +88,20 @@ impl<F: FnOnce()> Drop for CallOnDrop<F> {
     }
 }
 
-fn open(path: &Path) -> Result<Opened, String> {
+fn open(path: &Path, limit: u32) -> Result<Opened, String> {
+    let [width, height] = load::dimensions(path).map_err(|error| error.to_string())?;
+    if width.max(height) > limit {
+        return Err(RenderError::TerrainTooLarge { width, height, limit }.to_string());
+    }
     let loaded = load::load(path).map_err(|error| error.to_string())?;
     let stem =
         || path.file_stem().map_or_else(|| path.display().to_string(), |stem| stem.to_string_lossy().into_owned());
+    let map = Arc::new(loaded.field);
     Ok(Opened {
         path: std::path::absolute(path).unwrap_or_else(|_| path.into()),
         title: loaded.title.unwrap_or_else(stem),
-        map: Arc::new(loaded.field),
+        terrain: PreparedTerrain::new(Arc::clone(&map)).with_colours(),
+        map,
         warnings: loaded.warnings,
     })
 }
@@ -102,7 +116,7 @@ mod tests {
         let mut loader = Loader::default();
         assert!(loader.poll().is_none());
         let path = PathBuf::from("no such folder/no such map.png");
-        loader.start(path.clone(), move || sender.send(()).expect("the test waits")).expect("a thread");
+        loader.start(path.clone(), 8192, move || sender.send(()).expect("the test waits")).expect("a thread");
         assert_eq!(loader.path(), Some(path.as_path()));
         done.recv().expect("the window is woken");
         let result = loader.poll().expect("woken, so there is a result");

@@ -5,9 +5,10 @@ use std::path::{Path, PathBuf};
 
 use image::codecs::png::PngEncoder;
 use image::{ImageError, RgbaImage};
-use tempfile::NamedTempFile;
 
+use crate::files;
 use crate::scene::Scene;
+use crate::scene_file::{self, SceneFileError};
 
 /// Highest number in a file name before the search for a free one gives up.
 const LAST_NUMBER: u32 = 9999;
@@ -28,7 +29,7 @@ pub(crate) enum ScreenshotError {
     Png(#[from] ImageError),
     /// The scene was not encoded.
     #[error("cannot write the screenshot's scene: {0}")]
-    Toml(#[from] toml::ser::Error),
+    Toml(#[from] SceneFileError),
 }
 
 /// Writes `picture` and `scene` to `folder` as `relief-0001.png` and `.toml`, or the next free number, and returns the
@@ -36,16 +37,18 @@ pub(crate) enum ScreenshotError {
 pub(crate) fn save(folder: &Path, picture: &RgbaImage, scene: &Scene) -> Result<PathBuf, ScreenshotError> {
     let failed = |source| ScreenshotError::Folder { folder: folder.into(), source };
     std::fs::create_dir_all(folder).map_err(failed)?;
-    let mut toml = NamedTempFile::new_in(folder).map_err(failed)?;
-    toml.write_all(toml::to_string_pretty(&absolute(scene))?.as_bytes()).map_err(failed)?;
-    let mut png = NamedTempFile::new_in(folder).map_err(failed)?;
+    let (width, height) = picture.dimensions();
+    let text = format!(
+        "# Makes the picture beside it again: relief render --scene FILE --size {width}x{height} -o OUT.png\n\n{}",
+        scene_file::to_toml(scene)?
+    );
+    let mut toml = files::temporary_beside(&folder.join("relief")).map_err(failed)?;
+    toml.write_all(text.as_bytes()).map_err(failed)?;
+    let mut png = files::temporary_beside(&folder.join("relief")).map_err(failed)?;
     {
         let mut writer = BufWriter::new(&mut png);
         picture.write_with_encoder(PngEncoder::new(&mut writer))?;
         writer.flush().map_err(failed)?;
-    }
-    for file in [&toml, &png] {
-        publish(file.as_file()).map_err(failed)?;
     }
     for number in 1..=LAST_NUMBER {
         let [toml_path, png_path] = ["toml", "png"].map(|ending| folder.join(format!("relief-{number:04}.{ending}")));
@@ -70,28 +73,6 @@ pub(crate) fn save(folder: &Path, picture: &RgbaImage, scene: &Scene) -> Result<
         };
     }
     Err(ScreenshotError::Full(folder.into()))
-}
-
-/// Temporary files are private; a screenshot is as readable as any other new file.
-#[cfg(unix)]
-fn publish(file: &std::fs::File) -> io::Result<()> {
-    use std::os::unix::fs::PermissionsExt;
-    file.set_permissions(std::fs::Permissions::from_mode(0o644))
-}
-
-#[cfg(not(unix))]
-fn publish(_file: &std::fs::File) -> io::Result<()> {
-    Ok(())
-}
-
-/// The scene with absolute paths: its file may be read from another folder.
-fn absolute(scene: &Scene) -> Scene {
-    let absolute = |path: &PathBuf| std::path::absolute(path).unwrap_or_else(|_| path.clone());
-    let mut scene = scene.clone();
-    scene.terrain.file = scene.terrain.file.as_ref().map(absolute);
-    scene.diffuse.file = scene.diffuse.file.as_ref().map(absolute);
-    scene.skybox.faces = scene.skybox.faces.as_ref().map(|faces| faces.each_ref().map(absolute));
-    scene
 }
 
 #[cfg(test)]
@@ -126,7 +107,7 @@ mod tests {
         assert_eq!(image::open(&paths[0]).expect("a picture").to_rgba8(), picture);
         let text = std::fs::read_to_string(paths[0].with_extension("toml")).expect("a scene");
         let read: Scene = toml::from_str(&text).expect("a valid scene");
-        assert_eq!(read, absolute(&scene));
+        assert_eq!((read.camera, &read.march, &read.craters), (scene.camera, &scene.march, &scene.craters));
         assert!(read.terrain.file.is_some_and(|file| file.is_absolute()));
     }
 

@@ -1,6 +1,7 @@
 //! What the viewer itself remembers besides the scene: which parts of the interface show, and how frames are paced.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use crate::camera::NamedView;
 use crate::heightfield::HeightField;
@@ -97,8 +98,8 @@ pub(crate) struct Facts {
     pub(crate) extent_metres: Option<[f64; 2]>,
     /// Height of the box at the map's own proportion, world units.
     pub(crate) true_height_scale: f64,
-    /// The centre that the occluder has by default, world units.
-    pub(crate) middle: glam::DVec3,
+    /// The map itself, without craters.
+    pub(crate) map: Arc<HeightField>,
     /// The adapter can filter 32-bit float heights.
     pub(crate) filterable_float32: bool,
     /// Largest side of a texture.
@@ -111,7 +112,7 @@ pub(crate) struct Facts {
 
 impl Facts {
     /// What is known of a map, for an adapter with the given capabilities.
-    pub(crate) fn new(map: &HeightField, title: String, gpu: &crate::gpu::Gpu) -> Self {
+    pub(crate) fn new(map: &Arc<HeightField>, title: String, gpu: &crate::gpu::Gpu) -> Self {
         let own = map.box_size(None);
         Self {
             title,
@@ -119,7 +120,7 @@ impl Facts {
             range: map.range(),
             extent_metres: map.extent_metres(),
             true_height_scale: own.y,
-            middle: own * 0.5,
+            map: Arc::clone(map),
             filterable_float32: gpu.capabilities.filterable_float32,
             max_texture: gpu.capabilities.max_texture,
             adapter: gpu.adapter_name(),

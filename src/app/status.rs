@@ -1,8 +1,8 @@
 //! The viewer's state as a JSON file, for automated tests and remote control: what is drawn, what it cost, and where
 //! on the window every widget is.
 
-use std::io::{self, Write};
-use std::path::{Path, PathBuf};
+use std::io;
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use egui::accesskit::{Action, Affine, Node, NodeId, Role, Toggled, TreeUpdate};
@@ -150,12 +150,7 @@ impl StatusFile {
     /// Writes a state; whoever reads the file meanwhile sees the old one or the new one, never a part.
     pub(crate) fn write(&mut self, status: &Status<'_>, now: Instant) -> io::Result<()> {
         self.written = Some(now);
-        let folder = self.path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        let mut file = tempfile::NamedTempFile::new_in(folder)?;
-        serde_json::to_writer(&mut file, status)?;
-        file.flush()?;
-        file.persist(&self.path).map_err(|error| error.error)?;
-        Ok(())
+        crate::files::write_whole(&self.path, &serde_json::to_vec(status)?)
     }
 }
 

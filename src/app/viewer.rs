@@ -70,6 +70,8 @@ pub(crate) struct Viewer {
     pub(super) last_good: Option<Scene>,
     /// "Preparing" has been on screen, so the first picture may take its time.
     pub(super) prepared: bool,
+    /// The last picture had the occluder in it.
+    pub(super) occluder_seen: bool,
     /// The last turn of the occluder, while it spins.
     pub(super) spun: Option<Instant>,
     /// The window is covered.
@@ -134,6 +136,7 @@ impl Viewer {
             drawn: None,
             last_good: None,
             prepared: false,
+            occluder_seen: false,
             spun: None,
             hidden: false,
             frames: 0,
@@ -208,9 +211,9 @@ impl Viewer {
         self.view.measure_steps && self.drawn.is_some()
     }
 
-    /// Whether the occluder turns.
+    /// Whether the occluder turns. It rests while it is out of view: nobody would see it, and no frame is drawn.
     pub(super) fn spins(&self) -> bool {
-        self.scene.occluder.enabled && self.scene.occluder.spin != 0.0
+        self.scene.occluder.enabled && self.scene.occluder.spin != 0.0 && self.occluder_seen
     }
 
     /// The last measurement of steps per ray, while they are measured.
@@ -262,7 +265,7 @@ impl Viewer {
 
     /// Replaces the terrain. What belonged to the old one goes with it; when the new one cannot be used, all stays.
     fn adopt(&mut self, graphics: &mut Graphics, opened: Opened, now: Instant) -> Result<(), FrameError> {
-        match graphics.renderer.set_terrain(opened.map.clone()) {
+        match graphics.renderer.set_prepared_terrain(opened.terrain) {
             Ok(()) => {}
             Err(RenderError::DeviceLost(lost)) => return Err(FrameError::Lost(lost)),
             Err(error) => {

@@ -97,7 +97,7 @@ pub(crate) struct RenderArgs {
     pub(crate) stats: Option<PathBuf>,
     /// Frames to time for --stats, after two to warm up
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000), default_value_t = 1,
-        help_heading = "Output")]
+        requires = "stats", help_heading = "Output")]
     pub(crate) frames: u32,
 }
 
@@ -136,7 +136,7 @@ pub(crate) struct SceneArgs {
     /// A scene file (TOML); relative paths in it are relative to its folder
     #[arg(long, value_name = "SCENE.toml", value_parser = parse::input_file(), help_heading = "Scene")]
     pub(crate) scene: Option<PathBuf>,
-    /// Height of the terrain in world units; its longer side is 1 [default: the map's own proportion, else 0.25]
+    /// Height of the terrain in world units, 0 (flat) to 1000; its longer side is 1 [default: the map's own proportion, else 0.25]
     #[arg(long, value_name = "S", value_parser = parse::height_scale, allow_negative_numbers = true, help_heading = "Scene")]
     pub(crate) height_scale: Option<f64>,
 

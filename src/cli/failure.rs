@@ -44,16 +44,6 @@ impl Failure {
         self
     }
 
-    /// Takes apart what was written in one line, for a toast: "what: why; what to do", where `separator` is "; ".
-    #[must_use]
-    fn of_one_line(mut self, message: &str, separator: &str) -> Self {
-        let (problem, advice) = message.rsplit_once(separator).unwrap_or((message, ""));
-        let (what, why) = problem.split_once(": ").unwrap_or((problem, ""));
-        self.what = what.to_owned();
-        self.details = [why, advice].map(str::to_owned).into();
-        self
-    }
-
     /// An argument that makes no sense.
     pub(crate) fn usage(what: impl Into<String>) -> Self {
         Self::new(Exit::Usage, what)
@@ -87,7 +77,7 @@ impl From<RenderError> for Failure {
 
 impl From<LoadError> for Failure {
     fn from(error: LoadError) -> Self {
-        Self::new(Exit::BadInput, "").of_one_line(&error.to_string(), "; ")
+        Self::new(Exit::BadInput, error.to_string())
     }
 }
 
@@ -102,7 +92,7 @@ impl From<AppError> for Failure {
         match error {
             AppError::Gpu(error) => error.into(),
             AppError::Render(error) => error.into(),
-            other => Self::new(Exit::Failed, "").of_one_line(&other.to_string(), ". "),
+            other => Self::new(Exit::Failed, other.to_string()),
         }
     }
 }
@@ -125,9 +115,10 @@ mod tests {
     }
 
     #[test]
-    fn the_loaders_line_becomes_three() {
-        let failure = Failure::from(LoadError::Empty { path: "a.png".into() });
+    fn the_loaders_message_has_three_lines_whatever_the_name() {
+        let failure = Failure::from(LoadError::Empty { path: "a: c; d.png".into() });
         assert_eq!(failure.exit, Exit::BadInput);
         assert_eq!(failure.to_string().lines().count(), 3, "{failure}");
+        assert!(failure.to_string().starts_with("cannot open a: c; d.png\n  the file is empty\n"), "{failure}");
     }
 }

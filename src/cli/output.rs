@@ -1,12 +1,11 @@
 //! Files that are written whole or not at all.
 
-use std::fs::{self, File, Permissions};
+use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use tempfile::NamedTempFile;
-
 use super::failure::{Failure, cannot_write};
+use crate::files;
 
 /// A file to be written later. Making one checks that it can be written, before any long work.
 #[derive(Debug)]
@@ -34,7 +33,7 @@ impl Output {
         }
         let output = Self { shown: path.to_path_buf(), target, special };
         if !special {
-            output.temporary().map_err(|error| failed(&error))?;
+            files::temporary_beside(&output.target).map_err(|error| failed(&error))?;
         }
         Ok(output)
     }
@@ -63,34 +62,10 @@ impl Output {
         let written = if self.special {
             File::options().write(true).open(&self.target).and_then(|mut file| file.write_all(bytes))
         } else {
-            self.replace(bytes)
+            // On the disk before the name points to it, lest a crash leave neither the old file nor the new one.
+            files::write_with(&self.target, |file| file.write_all(bytes).and_then(|()| file.sync_data()))
         };
         written.map_err(|error| cannot_write(&self.shown, &error))
-    }
-
-    /// Writes a new file beside the target and renames it, so that no reader ever sees half of it.
-    fn replace(&self, bytes: &[u8]) -> io::Result<()> {
-        let mut file = self.temporary()?;
-        file.write_all(bytes)?;
-        file.as_file().sync_data()?;
-        file.persist(&self.target).map_err(|failed| failed.error)?;
-        Ok(())
-    }
-
-    /// A new file in the target's folder, removed on drop. Its mode is that of any new file, not a private one.
-    fn temporary(&self) -> io::Result<NamedTempFile> {
-        let folder = match self.target.parent() {
-            Some(folder) if !folder.as_os_str().is_empty() => folder,
-            _ => Path::new("."),
-        };
-        let mut builder = tempfile::Builder::new();
-        builder.prefix(".relief-").suffix(".part");
-        #[cfg(unix)]
-        {
-            use std::os::unix::fs::PermissionsExt;
-            builder.permissions(Permissions::from_mode(0o666));
-        }
-        builder.tempfile_in(folder)
     }
 }
 

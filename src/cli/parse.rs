@@ -6,7 +6,7 @@ use std::str::FromStr;
 use clap::builder::{RangedU64ValueParser, TypedValueParser, ValueParser};
 use glam::DVec3;
 
-use crate::heightfield::Crater;
+use crate::heightfield::{Crater, HEIGHT_SCALES};
 use crate::scene::CraterSettings;
 use crate::scene_file::{FARTHEST, MOST_HALVINGS, MOST_SAMPLES};
 
@@ -114,7 +114,8 @@ pub(crate) fn crater(text: &str) -> Result<CraterSpec, String> {
 
 /// Height of the box in world units.
 pub(crate) fn height_scale(text: &str) -> Result<f64, String> {
-    in_range(text, |scale| scale > 0.0 && scale <= 1000.0, "more than 0 and at most 1000")
+    let (least, most) = (HEIGHT_SCALES.start(), HEIGHT_SCALES.end());
+    in_range(text, |scale| HEIGHT_SCALES.contains(&scale), &format!("at least {least} and at most {most}"))
 }
 
 /// Vertical field of view in degrees.
@@ -203,7 +204,7 @@ mod tests {
 
     #[test]
     fn scales_and_angles_have_ends() {
-        assert!(height_scale("-0.1").is_err() && height_scale("0").is_err() && height_scale("0.2").is_ok());
+        assert!(height_scale("-0.1").is_err() && height_scale("0").is_ok() && height_scale("1001").is_err());
         assert!(fov("0").is_err() && fov("180").is_err() && fov("NaN").is_err() && fov("60").is_ok());
         assert!(sun("10").is_err() && sun("10,91").is_err() && sun("300,32").is_ok());
     }

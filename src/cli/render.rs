@@ -36,9 +36,12 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let times = if args.stats.is_some() { easel.timed_frames(args.frames)? } else { easel.frame()? };
     let picture = easel.png()?;
     let ledger = easel.renderer.ledger().clone();
-    let probe = match (&outputs.depth, &outputs.stats) {
-        (None, None) => None,
-        _ => Some(easel.renderer.probe(&easel.scene, args.size)?),
+    // The position view casts no rays, so it takes no steps; its distances are still those of the scene.
+    let casts_rays = scene_view != DebugView::Position;
+    let probe = if outputs.depth.is_some() || (outputs.stats.is_some() && casts_rays) {
+        Some(easel.renderer.probe(&easel.scene, args.size)?)
+    } else {
+        None
     };
     drop(progress);
 
@@ -49,8 +52,9 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     if let (Some(output), Some(probe)) = (&outputs.depth, &probe) {
         output.write(&exr_of(probe)?)?;
     }
-    if let (Some(output), Some(probe)) = (&outputs.stats, &probe) {
-        output.write(&Stats::new(&easel.gpu, times, probe, &ledger).to_json()?)?;
+    if let Some(output) = &outputs.stats {
+        let cast = probe.as_ref().filter(|_| casts_rays);
+        output.write(&Stats::new(&easel.gpu, times, cast, &ledger).to_json()?)?;
     }
     Ok(())
 }
@@ -212,15 +216,16 @@ struct Steps {
 }
 
 impl<'a> Stats<'a> {
-    fn new(gpu: &Gpu, times: Vec<f64>, probe: &Probe, ledger: &'a Ledger) -> Self {
+    /// `probe` is absent where no ray was cast.
+    fn new(gpu: &Gpu, times: Vec<f64>, probe: Option<&Probe>, ledger: &'a Ledger) -> Self {
         let (adapter, driver) = gpu.adapter_name();
-        let (mean, max) = probe.step_stats();
+        let (mean, max) = probe.map_or((0.0, 0), Probe::step_stats);
         Self {
             adapter,
             driver,
             frame_ms: FrameTimes::of(times),
             steps: Steps { mean, max },
-            cap_hits: probe.cap_hits,
+            cap_hits: probe.map_or(0, |probe| probe.cap_hits),
             ledger,
         }
     }

@@ -52,7 +52,7 @@ impl Source {
     /// A map that any adapter takes is loaded first, so that what is wrong with it is told on every machine. A larger
     /// one is compared with the adapter's limit before it is decoded.
     pub(crate) fn load_for_gpu(&self) -> Result<(Arc<Gpu>, Loaded), Failure> {
-        let Some((width, height)) = self.dimensions().filter(|(width, height)| width.max(height) > &SMALL) else {
+        let Some([width, height]) = self.dimensions()?.filter(|[width, height]| width.max(height) > &SMALL) else {
             let loaded = self.load()?;
             return Ok((Gpu::headless()?, loaded));
         };
@@ -64,20 +64,21 @@ impl Source {
         Ok((gpu, self.load()?))
     }
 
-    /// Width and height by the file's header, where it has one.
-    fn dimensions(&self) -> Option<(u32, u32)> {
-        let Self::File(path) = self else { return None };
-        // A pipe could not be read twice.
-        std::fs::metadata(path).ok().filter(std::fs::Metadata::is_file)?;
-        image::ImageReader::open(path).ok()?.with_guessed_format().ok()?.into_dimensions().ok()
+    /// Width and height of a file, by its first bytes.
+    fn dimensions(&self) -> Result<Option<[u32; 2]>, Failure> {
+        match self {
+            Self::File(path) => load::dimensions(path).map(Some).map_err(|error| cannot_open(path, error)),
+            Self::BuiltIn => Ok(None),
+        }
     }
 
     /// Loads the map. Warnings go to stderr.
     pub(crate) fn load(&self) -> Result<Loaded, Failure> {
         let loaded = {
-            let _progress = Progress::start("reading the height map");
+            let progress = Progress::start("reading the height map");
             match self {
-                Self::File(path) => load::load(path).map_err(|error| cannot_open(path, error))?,
+                Self::File(path) => load::load_with_progress(path, &|share| progress.set(share))
+                    .map_err(|error| cannot_open(path, error))?,
                 Self::BuiltIn => {
                     load::load_bytes(Path::new("grand-canyon.png"), GRAND_CANYON, Some(GRAND_CANYON_SIDECAR))?
                 }

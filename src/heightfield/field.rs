@@ -1,19 +1,21 @@
 //! The height map in memory: normalised samples and what they stand for.
 
+use std::ops::RangeInclusive;
+
 use glam::DVec3;
 use rayon::prelude::*;
 
 /// Height of the box over its longer horizontal side where a map does not say what it shows.
 const PLAIN_HEIGHT_SCALE: f64 = 0.25;
 
+/// Heights of the box over its longer horizontal side that can be drawn; 0 is flat.
+pub(crate) const HEIGHT_SCALES: RangeInclusive<f64> = 0.0..=1000.0;
+
 /// Why samples are not a height map.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum HeightFieldError {
     /// No cell: a surface needs two samples each way.
-    #[error(
-        "a height map of {width}×{height} samples has no surface: it needs at least 2×2; \
-         use a larger one"
-    )]
+    #[error("a height map of {width}×{height} samples has no surface\n  it needs at least 2×2\n  use a larger one")]
     TooSmall {
         /// Columns.
         width: u32,
@@ -21,7 +23,9 @@ pub enum HeightFieldError {
         height: u32,
     },
     /// Width times height is not the number of samples.
-    #[error("{width}×{height} samples were announced, but there are {count}; give width × height of them")]
+    #[error(
+        "{width}×{height} samples were announced, but there are {count}\n  each place in the grid has one\n  give width × height of them"
+    )]
     WrongCount {
         /// Columns.
         width: u32,
@@ -31,7 +35,9 @@ pub enum HeightFieldError {
         count: usize,
     },
     /// A sample is NaN or infinite.
-    #[error("the sample in column {column}, row {row} is not a finite number; fill gaps in the data first")]
+    #[error(
+        "the sample in column {column}, row {row} is not a finite number\n  the surface has a height everywhere\n  fill gaps in the data first"
+    )]
     NotFinite {
         /// Column of the first such sample.
         column: u32,
@@ -173,10 +179,12 @@ impl HeightField {
     /// Height of the box over its longer horizontal side: the true proportion times the map's exaggeration where the
     /// extent is known (the range then counts as metres), else 0.25.
     pub fn natural_height_scale(&self) -> f64 {
-        match self.extent_metres {
-            Some([x, z]) => (self.range[1] - self.range[0]) / x.max(z) * self.exaggeration,
-            None => PLAIN_HEIGHT_SCALE * self.exaggeration,
-        }
+        Self::proportion(self.extent_metres, self.range) * self.exaggeration
+    }
+
+    /// Height over longer side: true where the extent is known.
+    pub(super) fn proportion(extent_metres: Option<[f64; 2]>, range: [f64; 2]) -> f64 {
+        extent_metres.map_or(PLAIN_HEIGHT_SCALE, |[x, z]| (range[1] - range[0]) / x.max(z))
     }
 
     /// Size of the box in world units: the longer horizontal side is 1. `height_scale` `None` is the natural one.

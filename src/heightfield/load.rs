@@ -20,29 +20,29 @@ const MAX_DEFLATE_RATIO: u64 = 1032;
 
 const PNG_MAGIC: [u8; 8] = *b"\x89PNG\r\n\x1a\n";
 
-/// Why a height map did not open.
+/// Why a height map did not open: what, why and what to do, a line each.
 #[derive(Debug, thiserror::Error)]
 pub enum LoadError {
     /// Nothing there.
-    #[error("cannot open {path}: there is no such file; check the path")]
+    #[error("cannot open {path}\n  there is no such file\n  check the path")]
     NotFound {
         /// What was to be opened.
         path: PathBuf,
     },
     /// A folder.
-    #[error("cannot open {path}: it is a directory; name the height map's file in it")]
+    #[error("cannot open {path}\n  it is a directory\n  name the height map's file in it")]
     Directory {
         /// What was to be opened.
         path: PathBuf,
     },
     /// The system refuses.
-    #[error("cannot read {path}: permission denied; make the file readable for this user (chmod u+r)")]
+    #[error("cannot read {path}\n  permission denied\n  make the file readable for this user (chmod u+r)")]
     PermissionDenied {
         /// What was to be opened.
         path: PathBuf,
     },
     /// Any other failure to read.
-    #[error("cannot read {path}: {source}; check the disk or copy the file elsewhere")]
+    #[error("cannot read {path}\n  {source}\n  check the disk or copy the file elsewhere")]
     Io {
         /// What was to be opened.
         path: PathBuf,
@@ -50,14 +50,14 @@ pub enum LoadError {
         source: io::Error,
     },
     /// Zero bytes.
-    #[error("cannot open {path}: the file is empty; save or download it again")]
+    #[error("cannot open {path}\n  the file is empty\n  save or download it again")]
     Empty {
         /// What was to be opened.
         path: PathBuf,
     },
     /// Some other format.
     #[error(
-        "cannot open {path}: it is not a PNG but looks like {looks_like}; convert it to an 8- or 16-bit greyscale PNG"
+        "cannot open {path}\n  it is not a PNG but looks like {looks_like}\n  convert it to an 8- or 16-bit greyscale PNG"
     )]
     NotPng {
         /// What was to be opened.
@@ -66,13 +66,13 @@ pub enum LoadError {
         looks_like: &'static str,
     },
     /// The file ends before its picture does.
-    #[error("cannot open {path}: the PNG is truncated, it ends before its picture does; save or download it again")]
+    #[error("cannot open {path}\n  the PNG is truncated, it ends before its picture does\n  save or download it again")]
     Truncated {
         /// What was to be opened.
         path: PathBuf,
     },
     /// Broken inside.
-    #[error("cannot open {path}: the PNG is damaged ({reason}); save or download it again")]
+    #[error("cannot open {path}\n  the PNG is damaged ({reason})\n  save or download it again")]
     Damaged {
         /// What was to be opened.
         path: PathBuf,
@@ -81,8 +81,8 @@ pub enum LoadError {
     },
     /// More samples than anything can hold.
     #[error(
-        "cannot open {path}: it says it has {width}×{height} samples, but at most {MAX_SIDE} on a side and \
-         {} GiB of picture are read; scale it down or cut it into parts",
+        "cannot open {path}\n  it says it has {width}×{height} samples, but at most {MAX_SIDE} on a side and \
+         {} GiB of picture are read\n  scale it down or cut it into parts",
         MAX_DECODED_BYTES >> 30
     )]
     TooLarge {
@@ -94,7 +94,7 @@ pub enum LoadError {
         height: u32,
     },
     /// Decoded, but no height map.
-    #[error("cannot open {path}: {source}")]
+    #[error("cannot open {path}\n  {source}")]
     NoSurface {
         /// What was to be opened.
         path: PathBuf,
@@ -150,7 +150,7 @@ pub fn load_bytes(name: &Path, png: &[u8], sidecar: Option<&str>) -> Result<Load
 /// Heights from a decoded picture, at the place that the sidecar gives them.
 fn interpret(
     picture: DynamicImage,
-    sidecar: Option<Sidecar>,
+    mut sidecar: Option<Sidecar>,
     path: &Path,
     mut warnings: Vec<String>,
 ) -> Result<Loaded, LoadError> {
@@ -174,7 +174,7 @@ fn interpret(
         _ => (HeightField::from_raw(width, height, picture.into_luma8().as_raw()), "u8"),
     };
     let field = field.map_err(|source| LoadError::NoSurface { path: path.into(), source })?;
-    let field = match &sidecar {
+    let field = match &mut sidecar {
         Some(sidecar) => place(field, sidecar, path, &mut warnings),
         None => field,
     };
@@ -183,7 +183,8 @@ fn interpret(
 }
 
 /// Gives the map its place on the ground.
-fn place(field: HeightField, sidecar: &Sidecar, path: &Path, warnings: &mut Vec<String>) -> HeightField {
+fn place(field: HeightField, sidecar: &mut Sidecar, path: &Path, warnings: &mut Vec<String>) -> HeightField {
+    sidecar.drop_what_does_not_fit(&field, &Sidecar::path_of(path), warnings);
     let extent = sidecar.extent_of(field.cells());
     let range = sidecar.range();
     if extent.is_some() && range.is_none() {
@@ -196,14 +197,30 @@ fn place(field: HeightField, sidecar: &Sidecar, path: &Path, warnings: &mut Vec<
     field.with_extent_metres(extent).with_range(range).with_exaggeration(sidecar.vertical_exaggeration.unwrap_or(1.0))
 }
 
-/// Everything from the path to the decoded picture.
-fn decode(path: &Path, progress: &dyn Fn(f32)) -> Result<DynamicImage, LoadError> {
-    let io_error = |source: io::Error| match source.kind() {
-        io::ErrorKind::NotFound | io::ErrorKind::NotADirectory => LoadError::NotFound { path: path.into() },
-        io::ErrorKind::PermissionDenied => LoadError::PermissionDenied { path: path.into() },
-        io::ErrorKind::IsADirectory => LoadError::Directory { path: path.into() },
-        _ => LoadError::Io { path: path.into(), source },
-    };
+/// Columns and rows of the height map `path`, from its first bytes: cheap, for a look at a limit before [`load`] decodes
+/// the picture.
+///
+/// # Errors
+/// As [`load`], as far as the first bytes tell.
+pub fn dimensions(path: &Path) -> Result<[u32; 2], LoadError> {
+    let head = open(path)?.2;
+    Ok([big_endian(&head, 16), big_endian(&head, 20)])
+}
+
+/// What kept `path` from being read.
+fn unreadable(path: &Path, source: io::Error) -> LoadError {
+    let path = path.to_path_buf();
+    match source.kind() {
+        io::ErrorKind::NotFound | io::ErrorKind::NotADirectory => LoadError::NotFound { path },
+        io::ErrorKind::PermissionDenied => LoadError::PermissionDenied { path },
+        io::ErrorKind::IsADirectory => LoadError::Directory { path },
+        _ => LoadError::Io { path, source },
+    }
+}
+
+/// The file, its length in bytes and its first [`HEAD_BYTES`], which have been checked.
+fn open(path: &Path) -> Result<(File, u64, Vec<u8>), LoadError> {
+    let io_error = |source| unreadable(path, source);
     // Before opening, because opening a pipe waits for its writer.
     let metadata = std::fs::metadata(path).map_err(io_error)?;
     if metadata.is_dir() {
@@ -214,6 +231,13 @@ fn decode(path: &Path, progress: &dyn Fn(f32)) -> Result<DynamicImage, LoadError
     file.by_ref().take(HEAD_BYTES as u64).read_to_end(&mut head).map_err(io_error)?;
     let bytes = metadata.len();
     check_head(&head, bytes, path)?;
+    Ok((file, bytes, head))
+}
+
+/// Everything from the path to the decoded picture.
+fn decode(path: &Path, progress: &dyn Fn(f32)) -> Result<DynamicImage, LoadError> {
+    let io_error = |source| unreadable(path, source);
+    let (mut file, bytes, _) = open(path)?;
     let complete = ends_with_iend(&mut file, bytes).map_err(io_error)?;
     file.rewind().map_err(io_error)?;
 
@@ -255,8 +279,7 @@ fn check_head(head: &[u8], bytes: u64, path: &Path) -> Result<(), LoadError> {
     if head[12..16] != *b"IHDR" {
         return Err(LoadError::Damaged { path: path(), reason: "its first chunk is not IHDR".into() });
     }
-    let number = |at: usize| u32::from_be_bytes([head[at], head[at + 1], head[at + 2], head[at + 3]]);
-    let (width, height) = (number(16), number(20));
+    let (width, height) = (big_endian(head, 16), big_endian(head, 20));
     if width > MAX_SIDE || height > MAX_SIDE {
         return Err(LoadError::TooLarge { path: path(), width, height });
     }
@@ -274,6 +297,11 @@ fn check_head(head: &[u8], bytes: u64, path: &Path) -> Result<(), LoadError> {
         return Err(LoadError::Truncated { path: path() });
     }
     Ok(())
+}
+
+/// The number that begins at byte `at`, which is inside.
+fn big_endian(bytes: &[u8], at: usize) -> u32 {
+    u32::from_be_bytes([bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]])
 }
 
 /// Whether the last chunk is where it belongs, which tells a truncated file from a damaged one.

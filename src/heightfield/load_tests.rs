@@ -171,6 +171,72 @@ fn a_sidecar_places_the_map_and_its_faults_are_only_warnings() {
 }
 
 #[test]
+fn a_sidecar_whose_numbers_give_no_box_is_dropped_with_the_range_that_does() {
+    let folder = folder();
+    let map = write_map(&folder, 11, 6);
+    let open = |text: &str| {
+        fs::write(folder.path().join("map.toml"), text).unwrap();
+        load(&map).unwrap()
+    };
+    for (text, range) in [
+        ("extent_metres = [1e3, 1e3]\nlowest_metre = -1e308\nhighest_metre = 1e308", "0 to 1000"),
+        ("extent_metres = [1e-300, 1e-300]\nlowest_metre = 0\nhighest_metre = 1", "0 to 1000"),
+        ("vertical_exaggeration = 1e300", "0 to 1000"),
+        ("extent_metres = [1e-300, 1.0]\nlowest_metre = 0\nhighest_metre = 1", "0.00001 to 100000"),
+        ("metres_per_sample = 1e308\nlowest_metre = 0\nhighest_metre = 1", "0.00001 to 100000"),
+    ] {
+        let Loaded { field, warnings, .. } = open(text);
+        assert!(warnings.len() == 1 && warnings[0].contains("map.toml"), "{text}: {warnings:?}");
+        assert!(warnings[0].contains("ignored") && warnings[0].contains(range), "{text}: {warnings:?}");
+        assert_eq!(field.box_size(None), glam::DVec3::new(1.0, 0.25, 0.5), "{text}: a plain image");
+    }
+    let steep = open("extent_metres = [2.0, 1.0]\nlowest_metre = 0\nhighest_metre = 1\nvertical_exaggeration = 1e4");
+    assert!(steep.warnings.len() == 1 && steep.warnings[0].contains("vertical_exaggeration was"));
+    assert_eq!(steep.field.natural_height_scale(), 0.5, "extent and heights hold");
+}
+
+#[test]
+fn a_screenshots_scene_is_no_sidecar() {
+    let folder = folder();
+    let map = write_map(&folder, 4, 4);
+    let open = |text: &str| {
+        fs::write(folder.path().join("map.toml"), text).unwrap();
+        load(&map).unwrap()
+    };
+    let scene = crate::scene_file::to_toml(&crate::scene::Scene::default()).unwrap();
+    for text in [scene.as_str(), "[camera]\neye = [0.0, 1.0, 0.0]", "terrain.file = \"a.png\""] {
+        let loaded = open(text);
+        assert!(loaded.warnings.is_empty() && loaded.sidecar.is_none(), "{text}: {:?}", loaded.warnings);
+    }
+    assert_eq!(open("title = \"A\"\n[march]").warnings.len(), 1, "a sidecar with a stray table");
+}
+
+/// A scene gets a new table sooner or later; its file must not become a sidecar by that.
+#[test]
+fn every_table_of_a_scene_tells_it_from_a_sidecar() {
+    let scene = crate::scene::Scene {
+        camera: Some(crate::camera::Camera { eye: glam::DVec3::ONE, yaw: 0.0, pitch: 0.0, fov: 60.0 }),
+        ..Default::default()
+    };
+    let text = crate::scene_file::to_toml(&scene).unwrap();
+    for (name, value) in text.parse::<toml::Table>().unwrap() {
+        let mut warnings = Vec::new();
+        let alone = toml::Table::from_iter([(name.clone(), value)]).to_string();
+        assert_eq!(Sidecar::parse(&alone, Path::new("map.toml"), &mut warnings), None, "{name}");
+        assert!(warnings.is_empty(), "{name}: {warnings:?}");
+    }
+}
+
+#[test]
+fn the_size_is_known_from_the_first_bytes() {
+    let folder = folder();
+    let path = write_map(&folder, 37, 20);
+    assert_eq!(dimensions(&path).unwrap(), [37, 20]);
+    fs::write(&path, b"II*\0rest").unwrap();
+    assert_eq!(dimensions(&path).unwrap_err().to_string(), message(&path));
+}
+
+#[test]
 fn progress_grows_to_one() {
     let folder = folder();
     let path = write_map(&folder, 600, 500);

@@ -15,6 +15,7 @@ mod testing;
 
 pub use crater::{Crater, CraterLayer};
 pub use edited::{Edit, EditedTerrain, SampleRect};
+pub(crate) use field::HEIGHT_SCALES;
 pub use field::{HeightField, HeightFieldError};
 pub use load::{LoadError, Loaded};
 pub use pyramid::{MaxPyramid, NodeRect, PyramidLevel};

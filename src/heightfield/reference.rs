@@ -35,19 +35,23 @@ impl<'a> Surface<'a> {
     }
 
     /// The first point of the ray, from its origin on, that is on or below the surface and in the box. An eye below
-    /// the surface hits at depth 0. `None` is the sky, also for a ray that is not finite or has no direction.
+    /// the surface hits at depth 0. `None` is the sky, also for a ray that is not finite, has no direction, or one so
+    /// short that no finite multiple of it reaches the ends of the box.
     pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
         if !ray.origin.is_finite() || !ray.direction.is_finite() || ray.direction == DVec3::ZERO {
             return None;
         }
         let span = clip(ray, self.size)?;
+        let length = span.exit - span.enter;
+        if !span.enter.is_finite() || !length.is_finite() {
+            return None;
+        }
         // From here on, distances count from where the ray enters the box: a far eye costs no precision.
         let mut origin = ray.origin + ray.direction * span.enter;
         if let Some((axis, bound)) = span.face {
             origin[axis] = bound;
         }
         let origin = origin.clamp(DVec3::ZERO, self.size);
-        let length = span.exit - span.enter;
         let found = self.walk(origin, ray.direction, length);
         let distance = match found {
             Some(distance) => distance,

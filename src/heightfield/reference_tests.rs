@@ -140,6 +140,9 @@ fn rays_along_an_axis_are_exact() {
     assert_eq!(shoot(DVec3::new(0.5, 5.0, 0.5), DVec3::Y), None);
     assert_eq!(shoot(DVec3::NAN, DVec3::Y), None);
     assert_eq!(shoot(DVec3::ONE, DVec3::ZERO), None);
+    for origin in [DVec3::NEG_X, DVec3::new(0.5, 1.0, 0.5)] {
+        assert_eq!(shoot(origin, DVec3::X * 1e-320), None, "the box is infinitely many steps long");
+    }
 }
 
 #[test]

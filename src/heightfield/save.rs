@@ -1,5 +1,6 @@
 //! Writing height maps: 16-bit greyscale PNG, whole or not at all.
 
+use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
@@ -7,10 +8,11 @@ use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder};
 
 use super::HeightField;
+use crate::files;
 
 /// Why a height map was not written. No part of it is left behind.
 #[derive(Debug, thiserror::Error)]
-#[error("cannot write {path}: {reason}; check that its folder exists, may be written to, and has room")]
+#[error("cannot write {path}\n  {reason}\n  check that its folder exists, may be written to, and has room")]
 pub struct SaveError {
     /// What was to be written.
     pub path: PathBuf,
@@ -32,27 +34,12 @@ pub fn save_raw_png16(width: u32, height: u32, raw: &[u16], path: &Path) -> Resu
     }
     // The encoder takes samples in the machine's own byte order.
     let bytes: Vec<u8> = raw.iter().flat_map(|sample| sample.to_ne_bytes()).collect();
-    let encode = |writer: &mut dyn Write| {
-        PngEncoder::new(writer).write_image(&bytes, width, height, ExtendedColorType::L16).map_err(io::Error::other)
+    let encode = |file: &mut File| {
+        let mut writer = BufWriter::new(file);
+        PngEncoder::new(&mut writer)
+            .write_image(&bytes, width, height, ExtendedColorType::L16)
+            .map_err(io::Error::other)?;
+        writer.flush()
     };
-    write_whole(path, encode).map_err(|reason| error(reason.to_string()))
-}
-
-/// Writes a file through a temporary one in the same folder, so that `path` is never half-written.
-fn write_whole(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let mut builder = tempfile::Builder::new();
-    #[cfg(unix)]
-    {
-        // Temporary files are private by default; this one becomes an ordinary file (less the umask).
-        use std::os::unix::fs::PermissionsExt;
-        builder.permissions(std::fs::Permissions::from_mode(0o666));
-    }
-    let mut file = builder.tempfile_in(folder)?;
-    let mut writer = BufWriter::new(file.as_file_mut());
-    write(&mut writer)?;
-    writer.flush()?;
-    drop(writer);
-    file.persist(path).map_err(|error| error.error)?;
-    Ok(())
+    files::write_with(path, encode).map_err(|reason| error(reason.to_string()))
 }

@@ -4,6 +4,15 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+use super::{HEIGHT_SCALES, HeightField};
+
+/// West–east extent over north–south extent: far beyond any map, and within what single precision can march.
+const EXTENT_RATIOS: std::ops::RangeInclusive<f64> = 1e-5..=1e5;
+
+/// The tables of a scene file. A screenshot's scene has the stem of its picture, just as a sidecar would.
+const SCENE_TABLES: [&str; 9] =
+    ["terrain", "camera", "march", "diffuse", "lighting", "skybox", "occluder", "craters", "debug"];
+
 /// What a height map shows: the file with the map's stem and the ending `.toml`. Every key may be left out.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -57,7 +66,7 @@ impl Sidecar {
     }
 
     /// Reads the sidecar of `map`. Whatever is wrong with it becomes a warning: the map opens all the same, and what
-    /// is right in the sidecar holds.
+    /// is right in the sidecar holds. A scene file in its place is no sidecar, and not worth a word.
     pub(super) fn read_for(map: &Path, warnings: &mut Vec<String>) -> Option<Self> {
         let path = Self::path_of(map);
         let text = match std::fs::read_to_string(&path) {
@@ -73,7 +82,11 @@ impl Sidecar {
 
     /// The sidecar in `text`, which came from `path`; what is wrong with it becomes a warning.
     pub(super) fn parse(text: &str, path: &Path, warnings: &mut Vec<String>) -> Option<Self> {
-        let parsed = text.parse::<toml::Table>().and_then(|mut table| {
+        let table = text.parse::<toml::Table>();
+        if table.as_ref().is_ok_and(is_scene) {
+            return None;
+        }
+        let parsed = table.and_then(|mut table| {
             table.retain(|key, _| Self::is_known(key, path, warnings));
             Self::deserialize(table)
         });
@@ -131,6 +144,42 @@ impl Sidecar {
         }
     }
 
+    /// Drops what would give the box of `field` a shape that cannot be drawn, each with a warning. `path` is the
+    /// sidecar's.
+    pub(super) fn drop_what_does_not_fit(&mut self, field: &HeightField, path: &Path, warnings: &mut Vec<String>) {
+        let mut warn = |what: String| warnings.push(format!("{}: {what}", path.display()));
+        if self.extent_of(field.cells()).is_some_and(|[x, z]| !(x + z).is_finite() || !EXTENT_RATIOS.contains(&(x / z)))
+        {
+            let (least, most) = (EXTENT_RATIOS.start(), EXTENT_RATIOS.end());
+            warn(format!(
+                "extent_metres and metres_per_sample were ignored: west–east over north–south must be {least} to {most}"
+            ));
+            (self.extent_metres, self.metres_per_sample) = (None, None);
+        }
+        let extent = self.extent_of(field.cells());
+        let placed = |range: Option<[f64; 2]>, exaggeration: Option<f64>| {
+            let (range, exaggeration) = (range.unwrap_or(field.range()), exaggeration.unwrap_or(1.0));
+            HeightField::proportion(extent, range) * exaggeration
+        };
+        let fits = |scale: f64| HEIGHT_SCALES.contains(&scale);
+        let scale = placed(self.range(), self.vertical_exaggeration);
+        if fits(scale) {
+            return;
+        }
+        let allowed = format!(
+            "the terrain's height over its longer side would be {scale:e}, but must be {} to {}",
+            HEIGHT_SCALES.start(),
+            HEIGHT_SCALES.end()
+        );
+        if self.vertical_exaggeration.take().is_some() && fits(placed(self.range(), None)) {
+            warn(format!("vertical_exaggeration was ignored: {allowed}"));
+            return;
+        }
+        warn(format!("the extent, the heights and vertical_exaggeration were ignored: {allowed}"));
+        (self.extent_metres, self.metres_per_sample) = (None, None);
+        (self.lowest_metre, self.highest_metre) = (None, None);
+    }
+
     /// The heights that the lowest and highest sample stand for, metres.
     pub fn range(&self) -> Option<[f64; 2]> {
         Some([self.lowest_metre?, self.highest_metre?])
@@ -140,4 +189,10 @@ impl Sidecar {
     pub fn extent_of(&self, cells: [u32; 2]) -> Option<[f64; 2]> {
         self.extent_metres.or_else(|| self.metres_per_sample.map(|step| cells.map(|count| f64::from(count) * step)))
     }
+}
+
+/// Whether this is a scene file: it has a table of one, and no key of a sidecar.
+fn is_scene(table: &toml::Table) -> bool {
+    let has_table = |name: &str| table.get(name).is_some_and(toml::Value::is_table);
+    SCENE_TABLES.into_iter().any(has_table) && !Sidecar::KEYS.into_iter().any(|key| table.contains_key(key))
 }

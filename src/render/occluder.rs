@@ -32,13 +32,9 @@ pub(super) fn describe(probe: bool) -> PassDescription {
     }
 }
 
-/// Where the occluder stands: from the unit cube to the world. Without a position it stands in the middle of the
-/// terrain, half sunk into the ground.
+/// Where the occluder stands: from the unit cube to the world.
 pub(crate) fn world_from_cube(settings: &OccluderSettings, map: &HeightField, extent: DVec3) -> DMat4 {
-    let position = settings.position.unwrap_or_else(|| {
-        let ground = map.surface_height(0.5, 0.5) * extent.y;
-        DVec3::new(extent.x * 0.5, ground + settings.size * 0.25, extent.z * 0.5)
-    });
+    let position = settings.centre(map, extent);
     let turn = settings.rotation * (std::f64::consts::PI / 180.0);
     let rotation = DQuat::from_euler(EulerRot::YXZ, turn.x, turn.y, turn.z);
     DMat4::from_scale_rotation_translation(DVec3::splat(settings.size), rotation, position)

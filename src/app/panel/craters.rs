@@ -60,7 +60,7 @@ fn mode(ui: &mut Ui, craters: &mut CraterSettings, max_texture: u32) {
         },
     ];
     choose(ui, &mut craters.mode, &choices, "Crater mode", "How craters deform the ground.", None);
-    let tooltip = "Samples along the longer side of the craters' own texture. Finer craters, more bytes.";
+    let tooltip = "Samples along the longer side of the craters' own texture. Finer craters for the techniques that sample, more bytes; max-mipmap reads it at the map's samples.";
     Number::new("Layer resolution", tooltip)
         .logarithmic()
         .disabled_when(craters.mode == CraterMode::Baked, "baked craters have the resolution of the map")

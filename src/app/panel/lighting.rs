@@ -13,16 +13,17 @@ pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
         if reset {
             *lighting = LightingSettings::default();
         }
-        let tooltip = "Lights the ground. Costs eight height reads per pixel for the normal; off, none is computed.";
+        let tooltip =
+            "Lights the ground. Costs four gathers of heights per pixel for the normal; off, none is computed.";
         toggle(ui, &mut lighting.enabled, "Enable lighting", tooltip);
         let off = !lighting.enabled;
         let why = "lighting is off";
         // The sun also stands in the procedural sky, so its place matters even without lighting.
-        Number::new("Sun azimuth", "Direction of the sun, clockwise from north, in degrees. Free.")
+        Number::new("Sun azimuth", "Direction of the sun, clockwise from north, in degrees. Free per frame; a procedural sky is made anew at each change.")
             .unit("°")
             .decimals(1)
             .slider(ui, &mut lighting.sun_azimuth, 0.0..=360.0);
-        Number::new("Sun elevation", "Height of the sun above the horizon, in degrees. Free.")
+        Number::new("Sun elevation", "Height of the sun above the horizon, in degrees. Free per frame; a procedural sky is made anew at each change.")
             .unit("°")
             .decimals(1)
             .slider(ui, &mut lighting.sun_elevation, -10.0..=90.0);

@@ -21,7 +21,7 @@ pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
         let tooltip = "Rays start at the height of the highest terrain and not at the lid of the box. Saves steps.";
         toggle(ui, &mut march.lower_start, "Lower start", tooltip);
         let tooltip = "Rays that meet nothing are discarded, which gives the terrain its silhouette; otherwise they \
-                       show the ground's colour where they leave the box. Costs early depth tests.";
+                       show the ground's colour where they leave the box. Free.";
         toggle(ui, &mut march.discard_misses, "Discard misses", tooltip);
     });
 }
@@ -52,9 +52,12 @@ fn samples(ui: &mut Ui, march: &mut MarchSettings) {
         .disabled_when(fixed, "every ray takes the most samples unless their number depends on the angle")
         .disabled_when(exact, EXACT)
         .slider(ui, &mut march.samples_min, 1..=4096);
+    // Whichever is moved pushes the other along: a scene with fewer most than fewest samples is refused.
+    march.samples_max = march.samples_max.max(march.samples_min);
     let tooltip = "Steps of a horizontal ray, or of every ray without steps by angle. Time grows with it.";
     let most = Number::new("Most samples", tooltip).logarithmic();
     most.disabled_when(exact, EXACT).slider(ui, &mut march.samples_max, 1..=4096);
+    march.samples_min = march.samples_min.min(march.samples_max);
     ui.add_enabled_ui(!exact, |ui| {
         let tooltip = "Steep rays take fewer steps than flat ones. Saves time where it is safe.";
         let box_ = ui.checkbox(&mut march.steps_by_angle, "Steps by angle").on_hover_text(tooltip);
@@ -74,7 +77,7 @@ fn filter(ui: &mut Ui, march: &mut MarchSettings, hardware: bool) {
         Choice {
             value: HeightFilter::Exact,
             name: "exact",
-            tooltip: "Four loads, interpolated in 32 bits: the surface itself. The slowest of the three.",
+            tooltip: "The four corners, interpolated in 32 bits: the surface itself. The slowest of the three.",
             off: None,
         },
         Choice {

@@ -67,12 +67,14 @@ mod tests {
     use std::collections::HashSet;
 
     use super::*;
+    use std::sync::Arc;
+
     use crate::app::status::{Widget, widgets};
     use crate::camera::{Camera, NamedView};
     use crate::heightfield::HeightField;
     use crate::scene::{CraterMode, SkyboxSettings, Technique};
 
-    fn facts(map: &HeightField) -> Facts {
+    fn facts(map: &Arc<HeightField>) -> Facts {
         let own = map.box_size(None);
         Facts {
             title: "Test".into(),
@@ -80,7 +82,7 @@ mod tests {
             range: map.range(),
             extent_metres: None,
             true_height_scale: own.y,
-            middle: own * 0.5,
+            map: Arc::clone(map),
             filterable_float32: false,
             max_texture: 8192,
             adapter: ("adapter".into(), "driver".into()),
@@ -90,7 +92,7 @@ mod tests {
 
     /// One section alone, opened, in a screen high enough that nothing is scrolled away.
     fn section_widgets(section: Section, scene: &mut Scene) -> Vec<Widget> {
-        let map = HeightField::from_raw(2, 2, &[0.0_f32, 1.0, 0.0, 1.0]).unwrap();
+        let map = Arc::new(HeightField::from_raw(2, 2, &[0.0_f32, 1.0, 0.0, 1.0]).unwrap());
         scene.camera.get_or_insert(NamedView::Start.camera(&map, map.box_size(None)));
         let ctx = egui::Context::default();
         ctx.enable_accesskit();

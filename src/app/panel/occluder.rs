@@ -10,6 +10,7 @@ use crate::scene::OccluderSettings;
 pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
     let reset = "Switches the cube off and puts it back over the middle of the terrain.";
     section(ui, "Occluder", false, Some(reset), |ui, reset| {
+        let extent = panel.facts.map.box_size(panel.scene.terrain.height_scale);
         let occluder = &mut panel.scene.occluder;
         if reset {
             *occluder = OccluderSettings::default();
@@ -19,7 +20,7 @@ pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
         toggle(ui, &mut occluder.enabled, "Enable occluder", tooltip);
         let off = !occluder.enabled;
         let why = "the occluder is off";
-        let mut position = occluder.position.unwrap_or(panel.facts.middle);
+        let mut position = occluder.centre(&panel.facts.map, extent);
         let axes = [("Occluder x", "east"), ("Occluder y", "up"), ("Occluder z", "south")];
         let mut moved = false;
         for ((name, direction), value) in axes.into_iter().zip(position.as_mut()) {

@@ -22,7 +22,7 @@ pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
         let tooltip =
             "Draws the sky where no terrain is. One texture read for each of those pixels; off, a flat colour.";
         toggle(ui, &mut skybox.enabled, "Enable skybox", tooltip);
-        Number::new("Flattening", "Width of the sky's box over its height: higher pulls the horizon down. Free.")
+        Number::new("Flattening", "Width of the sky's box over its height: higher pulls the horizon down. Free per frame; a procedural sky is made anew at each change.")
             .disabled_when(!skybox.enabled, "the skybox is off")
             .slider(ui, &mut skybox.flattening, 1.0..=16.0);
         fact(ui, "Sky", if skybox.faces.is_some() { "six images" } else { "procedural: sun and distant hills" });

@@ -25,7 +25,7 @@ pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
         let mut scale = scene.terrain.height_scale.unwrap_or(facts.true_height_scale);
         let tooltip = "Height of the terrain's box; its longer horizontal side is 1. \
                        Taller boxes have longer rays, which costs steps.";
-        if Number::new("Height scale", tooltip).decimals(4).logarithmic().slider(ui, &mut scale, 0.001..=2.0) {
+        if Number::new("Height scale", tooltip).decimals(4).logarithmic().slider(ui, &mut scale, 0.0..=2.0) {
             scene.terrain.height_scale = Some(scale);
         }
         let tooltip = format!("Sets the height scale to the map's own, {:.4}. Free.", facts.true_height_scale);
