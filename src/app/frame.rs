@@ -176,7 +176,7 @@ impl Viewer {
             overlay::crosshair(&ctx);
         }
         if self.view.help {
-            overlay::help(&ctx, &mut self.view.help);
+            overlay::help(&ctx, self.free, &mut self.view.help);
         }
         if let Some(path) = self.loader.path() {
             let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();

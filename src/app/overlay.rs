@@ -1,8 +1,8 @@
 //! What lies over the picture: frame times, steps and the ledger, the heat map's legend, crosshair, help and hints.
 
 use egui::{
-    Align2, Area, Color32, Context, Frame, Grid, Id, Mesh, Order, Pos2, Rect, RichText, Sense, Shape, Stroke,
-    TextWrapMode, Ui, pos2, vec2,
+    Align2, Area, Color32, Context, Frame, Grid, Id, Mesh, Order, Pos2, Rect, RichText, ScrollArea, Sense, Shape,
+    Stroke, TextWrapMode, Ui, pos2, vec2,
 };
 
 use super::controls::BINDINGS;
@@ -49,9 +49,9 @@ fn graph(ui: &mut Ui, times: &FrameTimes) {
     }
 }
 
-/// What the colours of the heat map mean, at the bottom of the part that the panel leaves free.
+/// What the colours of the heat map mean, in the lower left corner beside the panel: messages use the right one.
 pub(crate) fn legend(ctx: &Context, free: Rect, maximum: u32) {
-    boxed(ctx, "legend", (Align2::CENTER_BOTTOM, free.center_bottom() - vec2(0.0, MARGIN)), |ui| {
+    boxed(ctx, "legend", (Align2::LEFT_BOTTOM, free.left_bottom() + vec2(MARGIN, -MARGIN)), |ui| {
         ui.label("Steps per ray");
         let (response, painter) = ui.allocate_painter(vec2(320.0, 14.0), Sense::hover());
         painter.add(gradient(response.rect));
@@ -116,16 +116,21 @@ pub(crate) fn hint(ctx: &Context, free: Rect, text: &str, working: bool) {
     });
 }
 
-/// The keys.
-pub(crate) fn help(ctx: &Context, open: &mut bool) {
+/// The keys, in the middle of the part that the panel leaves free.
+pub(crate) fn help(ctx: &Context, free: Rect, open: &mut bool) {
     let window = egui::Window::new("Help").open(open).collapsible(false).resizable(false);
-    window.pivot(Align2::CENTER_CENTER).default_pos(ctx.content_rect().center()).show(ctx, |ui| {
-        Grid::new("bindings").num_columns(2).striped(true).show(ui, |ui| {
-            for (keys, meaning) in BINDINGS {
-                ui.strong(keys);
-                ui.label(meaning);
-                ui.end_row();
-            }
+    window.pivot(Align2::CENTER_CENTER).default_pos(free.center()).show(ctx, |ui| {
+        // In a small window the rest is scrolled to.
+        let room = ctx.content_rect().size() - vec2(40.0, 70.0);
+        ScrollArea::both().max_width(room.x.max(0.0)).max_height(room.y.max(0.0)).show(ui, |ui| {
+            ui.style_mut().wrap_mode = Some(TextWrapMode::Extend);
+            Grid::new("bindings").num_columns(2).striped(true).show(ui, |ui| {
+                for (keys, meaning) in BINDINGS {
+                    ui.strong(keys);
+                    ui.label(meaning);
+                    ui.end_row();
+                }
+            });
         });
     });
 }

@@ -54,9 +54,11 @@ impl ShaderSources {
         Self { files: EMBEDDED.iter().map(|&(name, text)| (name, Cow::Borrowed(text))).collect(), generated }
     }
 
-    /// Where the sources lie that this program was built from; absent once it has been moved to another machine.
+    /// Where the sources lie that are read again when one is saved: the folder that `RELIEF_SHADERS` names, or else the
+    /// one that this program was built from; absent once it has been moved to another machine.
     pub fn folder() -> Option<PathBuf> {
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders");
+        let built_from = || Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders");
+        let folder = std::env::var_os("RELIEF_SHADERS").map_or_else(built_from, PathBuf::from);
         folder.is_dir().then_some(folder)
     }
 

@@ -38,10 +38,12 @@ pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
                 let tooltip = format!("Position of the eye towards {direction}; the map's longer side is 1. Free.");
                 Number::new(name, &tooltip).decimals(4).field(ui, value, -100.0..=100.0, 0.002);
             }
-            Number::new("Yaw", "Direction of view, clockwise from north, in degrees. Free.")
-                .unit("°")
-                .decimals(1)
-                .slider(ui, &mut camera.yaw, 0.0..=360.0);
+            // Any angle is a direction; the rail shows the one within a turn.
+            let mut yaw = camera.yaw.rem_euclid(360.0);
+            let number = Number::new("Yaw", "Direction of view, clockwise from north, in degrees. Free.");
+            if number.unit("°").decimals(1).slider(ui, &mut yaw, 0.0..=360.0) {
+                camera.yaw = yaw;
+            }
             Number::new("Pitch", "Direction of view above the horizon, in degrees. Free.")
                 .unit("°")
                 .decimals(1)

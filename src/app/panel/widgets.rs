@@ -86,7 +86,7 @@ impl<'a> Number<'a> {
                 let rail = explain(ui.add(rail), self.tooltip, self.off).accessible_name(self.name);
                 let speed = (range.end().to_f64() - range.start().to_f64()) / 400.0;
                 let field = DragValue::new(value).range(range).speed(speed).suffix(self.unit).max_decimals(decimals);
-                let field = field.clamp_existing_to_range(false);
+                let field = field.clamp_existing_to_range(false).update_while_editing(false);
                 let field = explain(ui.add(field), self.tooltip, self.off).accessible_name(field_name(self.name));
                 explain(ui.label(self.name), self.tooltip, self.off);
                 rail.changed() || field.changed()
@@ -104,7 +104,9 @@ impl<'a> Number<'a> {
             .speed(speed)
             .suffix(self.unit)
             .max_decimals(decimals)
-            .clamp_existing_to_range(false);
+            .clamp_existing_to_range(false)
+            // Half a number, such as the 0 of 0.3 for the height of the eye, must not be put right while typing goes on.
+            .update_while_editing(false);
         ui.add_enabled_ui(self.off.is_none(), |ui| {
             ui.horizontal(|ui| {
                 let field = explain(ui.add(field), self.tooltip, self.off).accessible_name(self.name);

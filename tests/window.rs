@@ -1,0 +1,27 @@
+//! The viewer as a user meets it: a real window on a virtual screen, keys and mouse by xdotool, and the state, the
+//! ledger and the screenshots that come of it. Needs the packages xvfb and xdotool; without them these tests fail.
+#![cfg(target_os = "linux")]
+#![expect(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test may fail loudly")]
+
+#[path = "window/harness.rs"]
+mod harness;
+
+#[path = "window/craters.rs"]
+mod craters;
+#[path = "window/flying.rs"]
+mod flying;
+#[path = "window/idle.rs"]
+mod idle;
+#[path = "window/keys.rs"]
+mod keys;
+#[path = "window/panel.rs"]
+mod panel;
+#[cfg(debug_assertions)]
+#[path = "window/shaders.rs"]
+mod shaders;
+#[path = "window/sizes.rs"]
+mod sizes;
+#[path = "window/typing.rs"]
+mod typing;
+#[path = "window/without_display.rs"]
+mod without_display;
