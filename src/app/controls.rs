@@ -100,6 +100,8 @@ pub(crate) enum Shortcut {
     FullScreen,
     Screenshot,
     Quit,
+    /// Destroys the GPU device, to try what a driver's reset would do. Debug builds only.
+    LoseDevice,
 }
 
 impl Shortcut {
@@ -115,6 +117,7 @@ impl Shortcut {
                 _ if is('z', KeyCode::KeyZ) && !shift => Some(Self::UndoCrater),
                 _ if is('q', KeyCode::KeyQ) && !shift => Some(Self::Quit),
                 KeyCode::Backspace if shift => Some(Self::ClearCraters),
+                KeyCode::F9 if shift && cfg!(debug_assertions) => Some(Self::LoseDevice),
                 _ => None,
             };
         }

@@ -177,6 +177,10 @@ impl Viewer {
             Shortcut::FullScreen => self.execute(Command::FullScreen),
             Shortcut::Screenshot => self.execute(Command::Screenshot),
             Shortcut::Quit => self.quit = true,
+            Shortcut::LoseDevice => {
+                self.drawn = None;
+                graphics.gpu.device.destroy();
+            }
         }
     }
 

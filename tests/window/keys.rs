@@ -2,6 +2,8 @@
 
 use std::process::Command;
 
+use serde_json::Value;
+
 use crate::harness::{Window, differing, list, relief, widget};
 
 /// Makes the screenshot again without a window and compares.
@@ -16,6 +18,27 @@ fn assert_reproduced(window: &mut Window) {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let again = image::open(again).unwrap().to_rgba8();
     assert_eq!(differing(&picture, &again, 0), 0, "the scene beside the screenshot makes the same picture");
+}
+
+/// A debug build can destroy its device on demand: what a driver's reset does to a user.
+#[cfg(debug_assertions)]
+#[test]
+fn a_lost_device_is_set_up_again_and_nothing_is_lost() {
+    let mut window = Window::open("--size 700x500");
+    window.point(450.0, 300.0);
+    window.key("c");
+    window.settled("a crater", |status| list(&status["scene"]["craters"]["list"]).len() == 1);
+    let (_, before) = window.shot();
+    window.key("ctrl+shift+F9");
+    let message =
+        |status: &Value| list(&status["toasts"]).iter().any(|toast| toast.to_string().contains("set up again"));
+    let after = window.settled("a new device", message);
+    assert_eq!(list(&after["scene"]["craters"]["list"]).len(), 1);
+    let (_, again) = window.shot();
+    assert_eq!(differing(&before, &again, 0), 0, "the picture is the same on the new device");
+    // The panel came back with it.
+    assert!(widget(&after, "Technique").is_some());
+    window.close();
 }
 
 #[test]
