@@ -559,6 +559,6 @@ fn the_readmes_scene_is_valid() {
     let example = readme.split("```toml").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
     bench.write("scene.toml", example);
     let scene = relief::scene_file::read(&bench.path("scene.toml")).unwrap();
-    assert_eq!(scene.terrain.file, Some(bench.path("alps.png")));
+    assert_eq!(scene.terrain.file, Some(bench.path("ridged.png")));
     assert_eq!(scene.craters.list.len(), 1);
 }

@@ -14,9 +14,9 @@ use crate::scene::{CraterMode, DebugView, HeightFilter, Technique};
 const EXAMPLES: &str = "\
 Examples:
   relief                                        fly over the Grand Canyon
-  relief alps.png                               fly over any greyscale PNG
+  relief map.png                                fly over any greyscale PNG
   relief render -o canyon.png --view valley     one picture, no window
-  relief render alps.png -o alps.png --eye 0.5,0.6,1.4 --target 0.5,0,0.5 --size 1920x1080
+  relief render map.png -o view.png --eye 0.5,0.6,1.4 --target 0.5,0,0.5 --size 1920x1080
   relief generate ridged --size 1024 --seed 7 -o ridged.png
 
 Exit codes:

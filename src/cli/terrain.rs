@@ -95,6 +95,9 @@ impl Source {
 fn cannot_open(path: &Path, error: LoadError) -> Failure {
     let missing = matches!(error, LoadError::NotFound { .. });
     let failure = Failure::from(error);
+    if !missing && path.extension().is_some_and(|extension| extension == "toml") {
+        return failure.line(format!("Or is it a scene? Then write --scene {}.", path.display()));
+    }
     let word = path.to_str().filter(|word| missing && word.chars().all(char::is_alphanumeric));
     let Some(word) = word else { return failure };
     let cli = Cli::command();

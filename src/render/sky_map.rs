@@ -79,17 +79,20 @@ fn colour(sky: &Sky, direction: Vec3) -> Vec3 {
         [(5.0, 0.012, 0.062, Vec3::new(0.36, 0.44, 0.55)), (9.0, -0.004, 0.036, Vec3::new(0.23, 0.27, 0.30))]
     {
         let ridge = lowest + (highest - lowest) * ridge_line(direction, scale);
-        if direction.y < ridge {
-            let haze = ((direction.y + 0.12) / 0.2).clamp(0.0, 1.0);
-            light = rock.lerp(horizon, 0.35 * haze + 0.1);
-        }
+        let haze = ((direction.y + 0.12) / 0.2).clamp(0.0, 1.0);
+        light = light.lerp(rock.lerp(horizon, 0.35 * haze + 0.1), below(direction.y, ridge));
     }
-    if direction.y < -0.02 {
-        // Below the horizon: a plain that fades into the haze.
-        let depth = ((-direction.y - 0.02) * 4.0).min(1.0);
-        light = Vec3::new(0.50, 0.46, 0.41).lerp(Vec3::new(0.30, 0.25, 0.20), depth);
-    }
-    light * day
+    // Below the horizon: a plain that fades into the haze.
+    let depth = ((-direction.y - 0.02) * 4.0).clamp(0.0, 1.0);
+    let plain = Vec3::new(0.50, 0.46, 0.41).lerp(Vec3::new(0.30, 0.25, 0.20), depth);
+    light.lerp(plain, below(direction.y, -0.02)) * day
+}
+
+/// How much of a texel at the height `y` lies below `edge`: edges are as soft as a texel is large, or they show as
+/// stairs.
+fn below(y: f32, edge: f32) -> f32 {
+    const TEXEL: f32 = 2.0 / FACE as f32;
+    ((edge - y) / TEXEL + 0.5).clamp(0.0, 1.0)
 }
 
 /// Height of a ridge, 0 to 1, in the compass direction of `direction`: value noise on a circle, so that it closes.
