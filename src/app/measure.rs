@@ -10,9 +10,10 @@ use crate::scene::Scene;
 /// Frames that the graph and the numbers look back on.
 pub(super) const FRAMES: usize = 120;
 
-/// How often a frame's GPU time is looked for, and for how long.
+/// How often a frame's GPU time is looked for, and for how long: a software driver may take seconds for a frame, and those
+/// are the ones to know about.
 const TIME_POLL: Duration = Duration::from_millis(15);
-const TIME_PATIENCE: Duration = Duration::from_millis(500);
+const TIME_PATIENCE: Duration = Duration::from_secs(10);
 
 /// Least time between two measurements of steps per ray.
 const STEPS_PAUSE: Duration = Duration::from_millis(500);
