@@ -120,6 +120,11 @@ struct Segment {
     end: f32,
     // |cosine| of the angle between the ray and the vertical, in world space.
     verticality: f32,
+#ifdef BEAM
+    // Parameter before which the ray meets nothing, and the level of the pyramid to begin at.
+    begin: f32,
+    level: u32,
+#endif
 }
 
 // The parameter of a ray that meets nothing.

@@ -3,6 +3,9 @@
 
 #import relief::frame::{frame, Ray, pixel_ray, cube_corner}
 #import relief::constants::NEAR
+#ifdef BEAM
+#import relief::beam::BEAM_TILE
+#endif
 #import relief::srgb::from_srgb
 #import relief::heightfield::{terrain, Segment, NO_HIT}
 #ifndef VIEW_POSITION
@@ -16,6 +19,11 @@
 #endif
 #ifdef VIEW_STEPS
 #import relief::heat_map::heat_map
+#endif
+
+#ifdef BEAM
+// Per tile of pixels: parameter where its rays may start, and the level of the pyramid to start at.
+@group(1) @binding(8) var beams: texture_2d<f32>;
 #endif
 
 struct Varyings {
@@ -80,14 +88,11 @@ fn clip_to_box(ray: Ray) -> Span {
     let enter = select(min(first, second), between, parallel);
     let leave = select(max(first, second), -between, parallel);
     let end = min(min(leave.x, leave.y), leave.z);
-    var span = Span(-frame.ray_start, end, 3u, ray.direction.y < 0.0 && leave.y == end);
-    for (var axis = 0u; axis < 3u; axis++) {
-        if enter[axis] > span.begin {
-            span.begin = enter[axis];
-            span.axis = axis;
-        }
-    }
-    return span;
+    let into = max(max(enter.x, enter.y), enter.z);
+    let outside = into > -frame.ray_start;
+    let axis = select(select(2u, 1u, enter.y == into), 0u, enter.x == into);
+    let begin = select(-frame.ray_start, into, outside);
+    return Span(begin, end, select(3u, axis, outside), ray.direction.y < 0.0 && leave.y == end);
 }
 
 @fragment
@@ -103,7 +108,14 @@ fn fs_main(in: Varyings) -> Fragment {
     var origin = (ray.origin + ray.direction * span.begin) * scale;
     origin = vec3f(clamp(origin.x, 0.0, inside.x), origin.y, clamp(origin.z, 0.0, inside.y));
     let direction = ray.direction * scale;
-    let segment = Segment(origin, direction, span.end - span.begin, abs(ray.direction.y) / length_of_direction);
+    let verticality = abs(ray.direction.y) / length_of_direction;
+#ifdef BEAM
+    let beam = textureLoad(beams, vec2i(in.position.xy) / i32(BEAM_TILE), 0);
+    let begin = max(beam.r - span.begin, 0.0);
+    let segment = Segment(origin, direction, span.end - span.begin, verticality, begin, u32(beam.g));
+#else
+    let segment = Segment(origin, direction, span.end - span.begin, verticality);
+#endif
     let hit = march(segment);
     var at = hit.at;
     if at == NO_HIT && span.to_floor {

@@ -95,9 +95,9 @@ fn the_defaults_cost_what_they_show() {
     let mut renderer = renderer(&canyon());
     let ledger = frame(&mut renderer, &start());
     print("defaults", &ledger);
-    assert_eq!(ledger.passes, ["terrain", "skybox"]);
-    assert_eq!(ledger.draws, 2);
-    assert_eq!(textures(&ledger), ["heights", "pyramid", "diffuse", "sky", "picture", "depth"]);
+    assert_eq!(ledger.passes, ["beam", "terrain", "skybox"]);
+    assert_eq!(ledger.draws, 3);
+    assert_eq!(textures(&ledger), ["heights", "pyramid", "diffuse", "sky", "beam", "picture", "depth"]);
     for def in ["SHADED", "LIGHTING", "SURFACE_NORMAL", "DIFFUSE_TEXTURE", "LOWER_START", "DISCARD_MISSES"] {
         assert!(has_def(&ledger, def), "{def}");
     }
@@ -179,7 +179,7 @@ fn an_occluder_costs_only_while_it_is_in_view() {
     assert_eq!((&behind.passes, behind.draws, &behind.pipelines), (&off.passes, off.draws, &off.pipelines));
     scene.occluder.position = None;
     let seen = frame(&mut renderer, &scene);
-    assert_eq!(seen.passes, ["terrain", "occluder", "skybox"]);
+    assert_eq!(seen.passes, ["beam", "terrain", "occluder", "skybox"]);
     assert_eq!(seen.texture_bytes, off.texture_bytes);
 }
 
@@ -208,14 +208,17 @@ fn what_is_off_has_no_def_and_no_texture() {
     let plain = cheaper(&|scene| scene.diffuse.enabled = false);
     assert!(!has_def(&plain, "DIFFUSE_TEXTURE") && !has_texture(&plain, "diffuse"));
     let bare = cheaper(&|scene| scene.skybox.enabled = false);
-    assert!(!has_texture(&bare, "sky") && bare.passes == ["terrain"]);
+    assert!(!has_texture(&bare, "sky") && bare.passes == ["beam", "terrain"]);
     for technique in [Technique::Linear, Technique::LinearBinary] {
         let sampled = cheaper(&|scene| scene.march.technique = technique);
-        assert!(!has_texture(&sampled, "pyramid"), "{technique:?}");
+        assert!(!has_texture(&sampled, "pyramid") && !has_texture(&sampled, "beam"), "{technique:?}");
+        assert_eq!(sampled.passes, ["terrain", "skybox"], "{technique:?}");
     }
     let position = cheaper(&|scene| scene.debug.view = DebugView::Position);
     assert_eq!(position.shader_defs, ["VIEW_POSITION"], "no ray, no light, no colour");
-    assert!(!has_texture(&position, "pyramid") && !has_texture(&position, "diffuse"));
+    assert!(
+        !has_texture(&position, "beam") && !has_texture(&position, "pyramid") && !has_texture(&position, "diffuse")
+    );
     let steps = cheaper(&|scene| scene.debug.view = DebugView::Steps);
     assert!(!has_def(&steps, "LIGHTING") && !has_texture(&steps, "diffuse"));
 }
@@ -242,14 +245,14 @@ fn pipelines_are_built_on_first_use_and_kept() {
     let mut lit = start();
     let mut dark = start();
     dark.lighting.enabled = false;
-    assert_eq!(frame(&mut renderer, &lit).pipelines.len(), 2, "terrain and skybox");
-    assert_eq!(frame(&mut renderer, &dark).pipelines.len(), 3);
-    assert_eq!(frame(&mut renderer, &lit).pipelines.len(), 3, "back to one that is there");
+    assert_eq!(frame(&mut renderer, &lit).pipelines.len(), 3, "beam, terrain and skybox");
+    assert_eq!(frame(&mut renderer, &dark).pipelines.len(), 4);
+    assert_eq!(frame(&mut renderer, &lit).pipelines.len(), 4, "back to one that is there");
     // Numbers are not compiled in, and neither is what the technique does not use.
     lit.lighting.ambient = 0.5;
     lit.march.samples_max = 100;
     lit.march.steps_by_angle = false;
     lit.terrain.height_scale = Some(0.3);
     lit.craters.list = vec![Crater { x: 0.5, z: 0.5, radius: 0.1, depth: 0.1, rim: 0.0 }];
-    assert_eq!(frame(&mut renderer, &lit).pipelines.len(), 3);
+    assert_eq!(frame(&mut renderer, &lit).pipelines.len(), 4);
 }

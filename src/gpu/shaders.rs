@@ -16,6 +16,7 @@ macro_rules! embed {
 
 /// Every shader file, as compiled in.
 const EMBEDDED: &[(&str, &str)] = embed![
+    "beam.wgsl",
     "cube.wgsl",
     "frame.wgsl",
     "heightfield.wgsl",
@@ -23,6 +24,7 @@ const EMBEDDED: &[(&str, &str)] = embed![
     "march/linear.wgsl",
     "march/max-mipmap.wgsl",
     "present.wgsl",
+    "pyramid.wgsl",
     "sampling.wgsl",
     "shading.wgsl",
     "skybox.wgsl",

@@ -48,13 +48,13 @@ impl FrameTimer {
         Self { queries, pending: VecDeque::new(), period_ns: f64::from(gpu.queue.get_timestamp_period()) }
     }
 
-    /// The timestamps for the frame's only pass.
-    pub fn writes(&self) -> Option<wgpu::RenderPassTimestampWrites<'_>> {
+    /// The timestamps for a pass that is the frame's first, its last, or both; none for a pass between.
+    pub fn writes(&self, first: bool, last: bool) -> Option<wgpu::RenderPassTimestampWrites<'_>> {
         let (query_set, _) = self.queries.as_ref()?;
-        Some(wgpu::RenderPassTimestampWrites {
+        (first || last).then_some(wgpu::RenderPassTimestampWrites {
             query_set,
-            beginning_of_pass_write_index: Some(0),
-            end_of_pass_write_index: Some(1),
+            beginning_of_pass_write_index: first.then_some(0),
+            end_of_pass_write_index: last.then_some(1),
         })
     }
 

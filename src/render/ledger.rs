@@ -5,7 +5,7 @@ use serde::Serialize;
 /// What the last frame cost and what is alive.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Ledger {
-    /// Passes in their order: `terrain`, `wireframe`, `occluder`, `skybox` of the last scene frame, then `present` and
+    /// Passes in their order: `beam`, `terrain`, `wireframe`, `occluder`, `skybox` of the last scene frame, then `present` and
     /// `egui` of the last time it was shown. A frame of the panel alone runs only those two again.
     pub passes: Vec<String>,
     /// The renderer's pipelines alive, by name.
@@ -30,7 +30,7 @@ pub struct Ledger {
 /// A texture of the ledger.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TextureEntry {
-    /// What it is for: `heights`, `pyramid`, `crater layer`, `diffuse`, `sky`, `picture`, `depth`.
+    /// What it is for: `heights`, `pyramid`, `crater layer`, `diffuse`, `sky`, `beam`, `picture`, `depth`.
     pub name: String,
     /// Texels across.
     pub width: u32,

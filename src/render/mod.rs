@@ -3,6 +3,7 @@
 //! A frame draws the same unit cube for the terrain, its wireframe, the occluder and, last, the skybox. What is off or
 //! out of view has no pass, no texture and no instruction; the [`Ledger`] tells.
 
+mod beam;
 mod cube;
 mod drape;
 mod error;
@@ -38,6 +39,7 @@ pub use heat_map::heat_map_colour;
 pub use ledger::{Ledger, TextureEntry};
 pub use probe::Probe;
 
+use beam::Beams;
 use cube::{Cube, clip_corners, in_view};
 use drape::Drape;
 use frame::{FrameBindings, FrameUniform};
@@ -45,7 +47,7 @@ use ground::Ground;
 use occluder::CubeBindings;
 use pipelines::{Built, PipelineKey, Pipelines};
 use skybox::Skybox;
-use terrain::{TerrainBindings, TerrainKey, TerrainUniform};
+use terrain::{TerrainBindings, TerrainKey, TerrainUniform, Textures};
 
 /// Background where there is no skybox, linear light: a pale grey-blue.
 const BACKGROUND: wgpu::Color = wgpu::Color { r: 0.35, g: 0.42, b: 0.5, a: 1.0 };
@@ -63,12 +65,16 @@ pub struct Renderer {
     ground: Option<Ground>,
     drape: Option<Drape>,
     skybox: Option<Skybox>,
+    beams: Option<Beams>,
     timer: FrameTimer,
     ledger: Ledger,
     /// Draws of the passes that were noted since the last scene frame, by name.
     shown: Vec<(String, u32)>,
     /// Bytes uploaded since the last scene frame.
     uploaded: u64,
+    /// Walks every ray from where it enters the box, to compare.
+    #[cfg(test)]
+    whole_rays: bool,
 }
 
 /// A terrain whose slow parts are computed: the maximum pyramid and, with [`Self::with_colours`], the diffuse texture.
@@ -100,6 +106,14 @@ struct Draw {
     edges: bool,
 }
 
+/// What a frame or a probe draws.
+struct Passes {
+    /// The beam pass's pipeline and bind group, where the terrain's technique starts from beams.
+    beam: Option<(Rc<Built>, wgpu::BindGroup)>,
+    /// Draws of the scene's pass, in their order.
+    draws: Vec<Draw>,
+}
+
 /// Where things are in a frame.
 struct View {
     camera: Camera,
@@ -124,10 +138,13 @@ impl Renderer {
             ground: None,
             drape: None,
             skybox: None,
+            beams: None,
             timer: FrameTimer::new(&gpu),
             ledger: Ledger::default(),
             shown: Vec::new(),
             uploaded: 0,
+            #[cfg(test)]
+            whole_rays: false,
             gpu,
         })
     }
@@ -205,9 +222,10 @@ impl Renderer {
         counter: Option<&probe::PixelCounter>,
     ) -> Result<(), RenderError> {
         self.check_device()?;
-        let (draws, defs) = self.prepare(scene, target.size(), false)?;
+        let passes = self.prepare(scene, target.size(), false)?;
         let mut encoder =
             self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("frame") });
+        self.encode_beams(&mut encoder, &passes, self.timer.writes(true, false));
         {
             let attachments = [Some(wgpu::RenderPassColorAttachment {
                 view: &target.color_view,
@@ -219,11 +237,11 @@ impl Renderer {
                 label: Some("scene"),
                 color_attachments: &attachments,
                 depth_stencil_attachment: Some(clear_depth(&target.depth_view)),
-                timestamp_writes: self.timer.writes(),
+                timestamp_writes: self.timer.writes(passes.beam.is_none(), true),
                 occlusion_query_set: counter.map(probe::PixelCounter::queries),
                 multiview_mask: None,
             });
-            for draw in &draws {
+            for draw in &passes.draws {
                 let counted = draw.name == "skybox" && counter.is_some();
                 if counted {
                     pass.begin_occlusion_query(0);
@@ -238,7 +256,7 @@ impl Renderer {
             counter.resolve(&mut encoder);
         }
         self.timer.submit(&self.gpu, encoder);
-        self.note_frame(&draws, defs, target);
+        self.note_frame(&passes, target);
         self.check_device()
     }
 
@@ -304,14 +322,9 @@ impl Renderer {
         self.gpu.take_error().map_or(Ok(()), |reason| Err(RenderError::Driver(reason)))
     }
 
-    /// Brings textures and uniforms up to date with `scene`; returns the draws and the terrain's defs. Where that fails
-    /// nothing is drawn; the next frame brings up to date whatever then differs.
-    fn prepare(
-        &mut self,
-        scene: &Scene,
-        size: [u32; 2],
-        probe: bool,
-    ) -> Result<(Vec<Draw>, Vec<&'static str>), RenderError> {
+    /// Brings textures and uniforms up to date with `scene`; returns what to draw. Where that fails nothing is drawn; the
+    /// next frame brings up to date whatever then differs.
+    fn prepare(&mut self, scene: &Scene, size: [u32; 2], probe: bool) -> Result<Passes, RenderError> {
         let view = self.view(scene, size);
         let key = TerrainKey::of(scene, probe);
         if !probe {
@@ -330,11 +343,9 @@ impl Renderer {
         self.frame.write(&self.gpu, &frame);
 
         let mut draws = Vec::new();
-        let mut defs = Vec::new();
-        if let Some(draw) = self.terrain_draw(scene, &view, key)? {
-            defs.clone_from(&draw.built.defs);
-            draws.push(draw);
-        }
+        self.prepare_beams(&view, size, key);
+        draws.extend(self.terrain_draw(scene, &view, key)?);
+        let beam = if draws.is_empty() { None } else { self.beam_pass()? };
         if scene.debug.wireframe && !probe {
             draws.extend(self.wireframe_draw(&view)?);
         }
@@ -346,7 +357,7 @@ impl Renderer {
             let group = skybox.group(&self.gpu, &built);
             draws.push(Draw { name: "skybox", built, group, edges: false });
         }
-        Ok((draws, defs))
+        Ok(Passes { beam, draws })
     }
 
     fn view(&self, scene: &Scene, size: [u32; 2]) -> View {
@@ -391,6 +402,42 @@ impl Renderer {
         Ok(())
     }
 
+    /// Keeps room for the starts of the picture's tiles while the terrain is in view and walked from them.
+    fn prepare_beams(&mut self, view: &View, size: [u32; 2], key: TerrainKey) {
+        if !key.needs_pyramid() || !self.shows_terrain(view) {
+            self.beams = None;
+        } else if self.beams.as_ref().is_none_or(|beams| beams.size() != size) {
+            self.beams = Some(Beams::new(&self.gpu, size));
+        }
+    }
+
+    fn beam_pass(&mut self) -> Result<Option<(Rc<Built>, wgpu::BindGroup)>, RenderError> {
+        let (Some(_), Some(ground)) = (&self.beams, &self.ground) else { return Ok(None) };
+        let built = self.pipelines.get(&self.gpu, &self.frame.layout, PipelineKey::Beam)?;
+        let group = self.terrain.beam_group(&self.gpu, &built, ground);
+        Ok(group.map(|group| (built, group)))
+    }
+
+    fn encode_beams(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        passes: &Passes,
+        timestamps: Option<wgpu::RenderPassTimestampWrites<'_>>,
+    ) {
+        if let (Some((built, group)), Some(beams)) = (&passes.beam, &self.beams) {
+            #[cfg(test)]
+            if let (true, Some(ground)) = (self.whole_rays, &self.ground) {
+                beams.clear(encoder, ground.top_level());
+                return;
+            }
+            beams.encode(encoder, built, &self.frame.group, group, timestamps);
+        }
+    }
+
+    fn shows_terrain(&self, view: &View) -> bool {
+        self.ground.is_some() && in_view(&clip_corners(view.clip_from_world, terrain::world_from_box(view.extent)))
+    }
+
     fn terrain_draw(&mut self, scene: &Scene, view: &View, key: TerrainKey) -> Result<Option<Draw>, RenderError> {
         let Some(ground) = &self.ground else { return Ok(None) };
         let box_clip = clip_corners(view.clip_from_world, terrain::world_from_box(view.extent));
@@ -406,7 +453,8 @@ impl Renderer {
         }
         let built = self.pipelines.get(&self.gpu, &self.frame.layout, PipelineKey::Terrain(key))?;
         let uniform = TerrainUniform::new(scene, ground, self.drape.as_ref(), view.extent, &box_clip);
-        let group = self.terrain.prepare(&self.gpu, &built, key, &uniform, ground, self.drape.as_ref());
+        let textures = Textures { ground, drape: self.drape.as_ref(), beams: self.beams.as_ref() };
+        let group = self.terrain.prepare(&self.gpu, &built, key, &uniform, &textures);
         Ok(group.map(|group| Draw { name: "terrain", built, group, edges: false }))
     }
 
@@ -445,23 +493,27 @@ impl Renderer {
         }
     }
 
-    fn note_frame(&mut self, draws: &[Draw], defs: Vec<&'static str>, target: &Target) {
+    fn note_frame(&mut self, passes: &Passes, target: &Target) {
         let mut textures = Vec::new();
         if let Some(ground) = &self.ground {
             ground.list(&mut textures);
         }
         textures.extend(self.drape.as_ref().and_then(Drape::entry));
         textures.extend(self.skybox.as_ref().map(Skybox::entry));
+        textures.extend(self.beams.as_ref().map(Beams::entry));
         textures.push(TextureEntry::of("picture", &target.color));
         textures.push(TextureEntry::of("depth", &target.depth));
+        let beam = passes.beam.as_ref().map(|_| "beam").into_iter();
+        let terrain = passes.draws.iter().find(|draw| draw.name == "terrain");
         self.shown.clear();
         self.ledger = Ledger {
-            passes: draws.iter().map(|draw| draw.name.to_owned()).collect(),
+            passes: beam.chain(passes.draws.iter().map(|draw| draw.name)).map(str::to_owned).collect(),
             pipelines: self.pipelines.names(),
-            draws: draws.len() as u32,
+            draws: passes.draws.len() as u32 + u32::from(passes.beam.is_some()),
             texture_bytes: textures.iter().map(|texture| texture.bytes).sum(),
             textures,
-            shader_defs: defs.into_iter().map(str::to_owned).collect(),
+            shader_defs: terrain
+                .map_or_else(Vec::new, |draw| draw.built.defs.iter().map(|&def| def.to_owned()).collect()),
             uploaded_bytes: std::mem::take(&mut self.uploaded),
             scene_frames: self.ledger.scene_frames + 1,
             sky_pixels: None,

@@ -7,11 +7,12 @@ use std::rc::Rc;
 use crate::gpu::{COLOR_FORMAT, DEPTH_COMPARE, DEPTH_FORMAT, Gpu, PROBE_FORMAT, ShaderError, ShaderSources};
 
 use super::terrain::TerrainKey;
-use super::{heat_map, occluder, present, skybox, terrain, wireframe};
+use super::{beam, heat_map, occluder, present, skybox, terrain, wireframe};
 
 /// Which pipeline: everything that decides what is compiled into it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum PipelineKey {
+    Beam,
     Terrain(TerrainKey),
     Wireframe,
     Occluder { probe: bool },
@@ -22,6 +23,7 @@ pub(super) enum PipelineKey {
 impl PipelineKey {
     fn describe(self) -> PassDescription {
         match self {
+            Self::Beam => beam::describe(),
             Self::Terrain(key) => terrain::describe(key),
             Self::Wireframe => wireframe::describe(),
             Self::Occluder { probe } => occluder::describe(probe),
@@ -81,6 +83,11 @@ pub(super) struct Built {
     pub(super) defs: Vec<&'static str>,
 }
 
+/// The embedded shaders, with the modules that are made from Rust values.
+pub(super) fn sources() -> ShaderSources {
+    ShaderSources::embedded(vec![("beam", beam::wgsl()), ("heat_map", heat_map::wgsl())])
+}
+
 /// All pipelines alive.
 #[derive(Debug)]
 pub(super) struct Pipelines {
@@ -90,7 +97,7 @@ pub(super) struct Pipelines {
 
 impl Pipelines {
     pub(super) fn new() -> Self {
-        Self { sources: ShaderSources::embedded(vec![("heat_map", heat_map::wgsl())]), built: HashMap::new() }
+        Self { sources: sources(), built: HashMap::new() }
     }
 
     /// The pipeline of `key`, built if it is not there yet.

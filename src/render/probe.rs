@@ -36,13 +36,14 @@ impl Renderer {
     pub fn probe(&mut self, scene: &Scene, size: [u32; 2]) -> Result<Probe, RenderError> {
         self.check_device()?;
         let size = size.map(|side| side.clamp(1, self.gpu.capabilities.max_texture));
-        let (draws, _) = self.prepare(scene, size, true)?;
+        let passes = self.prepare(scene, size, true)?;
         let color = sized_texture(&self.gpu, "probe", size, PROBE_FORMAT, &[]);
         let depth = sized_texture(&self.gpu, "probe depth", size, DEPTH_FORMAT, &[]);
         let view = color.create_view(&wgpu::TextureViewDescriptor::default());
         let depth_view = depth.create_view(&wgpu::TextureViewDescriptor::default());
         let mut encoder =
             self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("probe") });
+        self.encode_beams(&mut encoder, &passes, None);
         {
             let attachments = [Some(wgpu::RenderPassColorAttachment {
                 view: &view,
@@ -62,7 +63,7 @@ impl Renderer {
                 occlusion_query_set: None,
                 multiview_mask: None,
             });
-            for draw in &draws {
+            for draw in &passes.draws {
                 self.encode(&mut pass, draw);
             }
         }

@@ -7,6 +7,7 @@ use glam::{DMat4, DVec3, DVec4, Vec3};
 use crate::gpu::Gpu;
 use crate::scene::{CraterMode, DebugView, HeightFilter, Scene, Technique};
 
+use super::beam::Beams;
 use super::drape::Drape;
 use super::frame::{corner_sampler_entry, sampler_entry, texture_entry, uniform_buffer, uniform_entry};
 use super::ground::Ground;
@@ -127,6 +128,7 @@ impl TerrainKey {
             (self.filter == HeightFilter::HardwareLinear, "FILTER_HARDWARE_LINEAR"),
             (self.filters_heights(), "HEIGHT_SAMPLER"),
             (self.filter == HeightFilter::Nearest, "FILTER_NEAREST"),
+            (self.needs_pyramid(), "BEAM"),
             (self.steps_by_angle, "STEPS_BY_ANGLE"),
             (self.lower_start, "LOWER_START"),
             (self.discard_misses, "DISCARD_MISSES"),
@@ -162,6 +164,9 @@ pub(super) fn describe(key: TerrainKey) -> PassDescription {
     let mut name = "terrain".to_owned();
     if key.marches() {
         bindings.extend([texture_entry(1, filtered, false), corner_sampler_entry(7)]);
+        if key.needs_pyramid() {
+            modules.push("pyramid.wgsl");
+        }
         modules.extend(["sampling.wgsl", key.march_file(), "shading.wgsl"]);
         name = format!("terrain {}", key.technique.name());
     }
@@ -169,7 +174,7 @@ pub(super) fn describe(key: TerrainKey) -> PassDescription {
         bindings.push(sampler_entry(2));
     }
     if key.needs_pyramid() {
-        bindings.push(texture_entry(3, false, false));
+        bindings.extend([texture_entry(3, false, false), texture_entry(8, false, false)]);
     }
     if key.layered {
         bindings.push(texture_entry(4, filtered, false));
@@ -259,6 +264,14 @@ pub(super) fn world_from_box(extent: DVec3) -> DMat4 {
     DMat4::from_translation(-margin) * DMat4::from_scale(extent + 2.0 * margin)
 }
 
+/// Owners of the textures that the pass may read.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Textures<'a> {
+    pub(super) ground: &'a Ground,
+    pub(super) drape: Option<&'a Drape>,
+    pub(super) beams: Option<&'a Beams>,
+}
+
 /// The pass's uniform buffer and samplers.
 #[derive(Debug)]
 pub(super) struct TerrainBindings {
@@ -301,9 +314,9 @@ impl TerrainBindings {
         built: &Built,
         key: TerrainKey,
         uniform: &TerrainUniform,
-        ground: &Ground,
-        drape: Option<&Drape>,
+        textures: &Textures<'_>,
     ) -> Option<wgpu::BindGroup> {
+        let &Textures { ground, drape, beams } = textures;
         gpu.queue.write_buffer(&self.buffer, 0, bytemuck::bytes_of(uniform));
         let view = wgpu::BindingResource::TextureView;
         let mut entries = vec![(0, self.buffer.as_entire_binding())];
@@ -314,7 +327,7 @@ impl TerrainBindings {
             entries.push((2, wgpu::BindingResource::Sampler(&self.height_sampler)));
         }
         if key.needs_pyramid() {
-            entries.push((3, view(ground.pyramid()?)));
+            entries.extend([(3, view(ground.pyramid()?)), (8, view(beams?.starts()))]);
         }
         if key.layered {
             entries.push((4, view(ground.layer()?.0)));
@@ -323,12 +336,22 @@ impl TerrainBindings {
             let sampler = if uniform.repeats > 1.0 { &self.repeated } else { &self.clamped };
             entries.extend([(5, view(drape?.view()?)), (6, wgpu::BindingResource::Sampler(sampler))]);
         }
-        let entries: Vec<_> =
-            entries.into_iter().map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource }).collect();
-        Some(gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some(&built.name),
-            layout: &built.layout,
-            entries: &entries,
-        }))
+        Some(bind(gpu, built, entries))
     }
+
+    /// The bind group of the beam pass `built`, which shares the uniform; `None` without a pyramid.
+    pub(super) fn beam_group(&self, gpu: &Gpu, built: &Built, ground: &Ground) -> Option<wgpu::BindGroup> {
+        let pyramid = wgpu::BindingResource::TextureView(ground.pyramid()?);
+        Some(bind(gpu, built, vec![(0, self.buffer.as_entire_binding()), (3, pyramid)]))
+    }
+}
+
+fn bind(gpu: &Gpu, built: &Built, entries: Vec<(u32, wgpu::BindingResource<'_>)>) -> wgpu::BindGroup {
+    let entries: Vec<_> =
+        entries.into_iter().map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource }).collect();
+    gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: Some(&built.name),
+        layout: &built.layout,
+        entries: &entries,
+    })
 }

@@ -5,14 +5,11 @@ use std::mem::offset_of;
 
 use super::frame::FrameUniform;
 use super::occluder::CubeUniform;
+use super::pipelines::sources;
 use super::terrain::{TerrainKey, TerrainUniform};
 use super::*;
-use crate::gpu::{COLOR_FORMAT, ShaderSources};
+use crate::gpu::COLOR_FORMAT;
 use crate::scene::{CraterMode, HeightFilter, Technique};
-
-fn sources() -> ShaderSources {
-    ShaderSources::embedded(vec![("heat_map", heat_map::wgsl())])
-}
 
 /// Offsets and size of a WGSL struct, as naga laid it out. naga_oil decorates names, so the struct is found by its stem.
 fn wgsl_layout(module: &naga::Module, name: &str) -> (BTreeMap<String, u32>, u32) {
@@ -101,6 +98,7 @@ fn every_reachable_pipeline_builds_and_binds_just_what_its_shader_uses() {
     assert!(keys.len() > 100, "the list of variants has shrunk to {}", keys.len());
     let mut all: Vec<_> = keys.into_iter().map(PipelineKey::Terrain).collect();
     all.extend([
+        PipelineKey::Beam,
         PipelineKey::Wireframe,
         PipelineKey::Occluder { probe: false },
         PipelineKey::Occluder { probe: true },
@@ -165,4 +163,88 @@ fn a_lost_device_is_an_error() {
     assert!(target.read_color(&gpu).is_err(), "there is no picture any more");
     // A frame in flight may or may not have arrived; waiting for it must end.
     let _ = renderer.wait_frame_time();
+}
+
+/// Heights between 0 and 1 that look nowhere alike.
+fn noise(x: u32, z: u32) -> f32 {
+    let mut bits = (x.wrapping_mul(0x9e37_79b9)) ^ z.wrapping_mul(0x85eb_ca6b);
+    for _ in 0..3 {
+        bits = (bits ^ (bits >> 15)).wrapping_mul(0x2c1b_3c6d);
+    }
+    (bits >> 8) as f32 / (1u32 << 24) as f32
+}
+
+fn map_of(width: u32, height: u32, at: impl Fn(u32, u32) -> f32) -> Arc<HeightField> {
+    let raw: Vec<f32> = (0..height).flat_map(|z| (0..width).map(move |x| (x, z))).map(|(x, z)| at(x, z)).collect();
+    Arc::new(HeightField::from_raw(width, height, &raw).unwrap())
+}
+
+/// Eyes above, beside, in, below and far from a box of the size `extent`, looking along and across it.
+fn hard_views(extent: DVec3) -> Vec<Camera> {
+    let look = |eye: [f64; 3], target: [f64; 3], fov| {
+        Camera::look_at(DVec3::from(eye) * extent, DVec3::from(target) * extent, fov)
+    };
+    vec![
+        look([0.5, 1.4, 1.9], [0.5, 0.3, 0.4], 60.0),
+        look([-0.4, 1.02, -0.3], [0.6, 0.9, 0.7], 50.0),
+        look([-0.3, 0.5, 0.02], [1.0, 0.45, 0.05], 70.0),
+        look([1.6, 0.3, 0.5], [0.0, 0.3, 0.5], 40.0),
+        look([0.5, 0.98, 0.5], [0.1, 0.7, 0.9], 100.0),
+        look([0.02, 0.6, 0.98], [0.9, 0.5, 0.1], 80.0),
+        look([0.5, 2.5, 0.5001], [0.5, 0.0, 0.5], 60.0),
+        look([0.4, -0.8, 0.6], [0.6, 0.4, 0.4], 60.0),
+        look([0.5, 0.05, 0.5], [0.9, 0.4, 0.6], 70.0),
+        look([300.0, 200.0, 500.0], [0.5, 0.5, 0.5], 0.15),
+        look([0.5, 60.0, 30.0], [0.5, 0.5, 0.5], 12.0),
+    ]
+}
+
+/// A beam must stop before every ray of its tile does: with and without beams, every pixel shows the same.
+#[test]
+fn beams_hide_nothing() {
+    let gpu = Gpu::headless().unwrap();
+    let mut renderer = Renderer::new(Arc::clone(&gpu)).unwrap();
+    let needles = |every: u32| move |x: u32, z: u32| if x % every == 3 && z % every == 5 { 1.0 } else { 0.0 };
+    let maps = [
+        ("2×2", map_of(2, 2, noise)),
+        ("3×2", map_of(3, 2, noise)),
+        ("5×9", map_of(5, 9, noise)),
+        ("33×17", map_of(33, 17, noise)),
+        ("65×130", map_of(65, 130, noise)),
+        ("3×400", map_of(3, 400, noise)),
+        ("needles", map_of(130, 130, needles(8))),
+        ("few needles", map_of(257, 257, needles(64))),
+        ("walls", map_of(129, 65, |x, z| if x == 40 || z == 64 || x == 128 { 1.0 } else { 0.01 * noise(x, z) })),
+        ("rim", map_of(100, 100, |x, z| if x % 99 == 0 || z % 99 == 0 { 1.0 } else { 0.0 })),
+    ];
+    let (mut hits, mut saved) = (0, 0i64);
+    for (name, map) in maps {
+        renderer.set_terrain(Arc::clone(&map)).unwrap();
+        for scale in [0.05, 0.3, 2.0] {
+            let extent = map.box_size(Some(scale));
+            for (index, camera) in hard_views(extent).into_iter().enumerate() {
+                let size = [[33, 17], [160, 100], [101, 64]][index % 3];
+                let mut scene = Scene { camera: Some(camera), ..Scene::default() };
+                scene.terrain.height_scale = Some(scale);
+                let mut probe = |whole_rays| {
+                    renderer.whole_rays = whole_rays;
+                    renderer.probe(&scene, size).unwrap()
+                };
+                let (whole, beams) = (probe(true), probe(false));
+                assert_eq!((whole.cap_hits, beams.cap_hits), (0, 0));
+                // The distance is an f32; where the eye is far off its last bit is what may differ.
+                let cell = extent.x.max(extent.z) / f64::from(map.width().max(map.height()));
+                for (pixel, (&expected, &actual)) in whole.distance.iter().zip(&beams.distance).enumerate() {
+                    let tolerance = (1e-4 * cell) as f32 + 4.0 * f32::EPSILON * expected.min(1e6);
+                    let same = expected == actual || (expected - actual).abs() <= tolerance;
+                    assert!(same, "{name}, {scale} high, view {index}, pixel {pixel}: {actual}, not {expected}");
+                }
+                hits += whole.distance.iter().filter(|distance| distance.is_finite()).count();
+                let sum = |probe: &Probe| probe.steps.iter().map(|&steps| i64::from(steps)).sum::<i64>();
+                saved += sum(&whole) - sum(&beams);
+            }
+        }
+    }
+    assert!(hits > 300_000, "only {hits} pixels show ground");
+    assert!(saved > hits as i64, "beams save only {saved} steps for {hits} hits");
 }
