@@ -3,11 +3,14 @@
 use std::collections::BTreeMap;
 use std::mem::offset_of;
 
+use glam::DVec3;
+
 use super::frame::FrameUniform;
 use super::occluder::CubeUniform;
 use super::pipelines::sources;
 use super::terrain::{TerrainKey, TerrainUniform};
 use super::*;
+use crate::camera::Camera;
 use crate::gpu::COLOR_FORMAT;
 use crate::scene::{CraterMode, HeightFilter, Technique};
 
