@@ -2,6 +2,9 @@
 
 use super::Gpu;
 
+/// How long a finished mapping may take to be told.
+pub(super) const CALL_BACK: std::time::Duration = std::time::Duration::from_secs(10);
+
 /// Why nothing could be read back.
 #[derive(Debug, thiserror::Error)]
 pub enum ReadbackError {
@@ -53,7 +56,8 @@ pub(crate) fn map_and_wait(gpu: &Gpu, buffer: &wgpu::Buffer) -> Result<Vec<u8>, 
         let _ = sender.send(result);
     });
     gpu.device.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| ReadbackError::Wait(error.to_string()))?;
-    match receiver.try_recv() {
+    // Another thread's poll may be the one that calls back, a moment after ours has returned.
+    match receiver.recv_timeout(CALL_BACK) {
         Ok(Ok(())) => {}
         Ok(Err(error)) => return Err(ReadbackError::Wait(error.to_string())),
         Err(_) => return Err(ReadbackError::Wait(gpu.lost().unwrap_or_else(|| "the buffer was never mapped".into()))),

@@ -1,10 +1,11 @@
 //! Time of a frame on the GPU: the last pass's end less the first pass's begin.
 
 use std::collections::VecDeque;
-use std::sync::mpsc::{Receiver, channel};
-use std::time::Instant;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::time::{Duration, Instant};
 
 use super::Gpu;
+use super::readback::CALL_BACK;
 
 /// A frame whose time is on its way.
 #[derive(Debug)]
@@ -94,25 +95,26 @@ impl FrameTimer {
     pub fn take(&mut self, gpu: &Gpu) -> Option<f64> {
         // A failed poll shows as frames that never arrive; the loss itself is reported by the device.
         let _ = gpu.device.poll(wgpu::PollType::Poll);
-        self.take_arrived()
+        self.take_arrived(Duration::ZERO)
     }
 
     /// Waits for all frames in flight; milliseconds of the newest.
     pub fn wait(&mut self, gpu: &Gpu) -> Option<f64> {
         let _ = gpu.device.poll(wgpu::PollType::wait_indefinitely());
         let mut newest = None;
-        while let Some(ms) = self.take_arrived() {
+        // Another thread's poll may be the one that calls back, a moment after ours has returned.
+        while let Some(ms) = self.take_arrived(CALL_BACK) {
             newest = Some(ms);
         }
         newest
     }
 
-    fn take_arrived(&mut self) -> Option<f64> {
+    fn take_arrived(&mut self, patience: Duration) -> Option<f64> {
         while let Some(front) = self.pending.front() {
-            let arrived = match front.ready.try_recv() {
+            let arrived = match front.ready.recv_timeout(patience) {
                 Ok(arrived) => arrived,
-                Err(std::sync::mpsc::TryRecvError::Empty) => return None,
-                Err(std::sync::mpsc::TryRecvError::Disconnected) => false,
+                Err(RecvTimeoutError::Timeout) => return None,
+                Err(RecvTimeoutError::Disconnected) => false,
             };
             let frame = self.pending.pop_front()?;
             if arrived {
