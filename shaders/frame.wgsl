@@ -23,7 +23,12 @@ struct Frame {
     centre_y: f32,
 }
 
+#ifdef FLAT_CONSTANTS
+@group(0) @binding(0) var<uniform> frame_uniform: Frame;
+var<private> frame: Frame;
+#else
 @group(0) @binding(0) var<uniform> frame: Frame;
+#endif
 
 // A ray in world space. A parameter s along it is a view depth less `frame.ray_start`.
 struct Ray {
@@ -38,6 +43,27 @@ fn pixel_ray(position: vec2f) -> Ray {
     return Ray(
         frame.ray_origin + offset.x * frame.ray_origin_right + offset.y * frame.ray_origin_down,
         frame.ray_direction + offset.x * frame.ray_direction_right + offset.y * frame.ray_direction_down,
+    );
+}
+
+// A ray that is parallel to two faces is between them this long, or never.
+const FOR_EVER: f32 = 1e30;
+
+// Parameters at which a ray enters and leaves the space between the two faces of a box on each axis.
+struct Slabs {
+    enter: vec3f,
+    leave: vec3f,
+}
+
+fn slabs(ray: Ray, low: vec3f, high: vec3f) -> Slabs {
+    let parallel = abs(ray.direction) < vec3f(1.0 / FOR_EVER);
+    let divisor = select(ray.direction, vec3f(1.0), parallel);
+    let first = (low - ray.origin) / divisor;
+    let second = (high - ray.origin) / divisor;
+    let between = select(vec3f(FOR_EVER), vec3f(-FOR_EVER), (ray.origin >= low) & (ray.origin <= high));
+    return Slabs(
+        select(min(first, second), between, parallel),
+        select(max(first, second), -between, parallel),
     );
 }
 

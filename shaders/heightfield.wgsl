@@ -12,35 +12,47 @@ struct Terrain {
     // Height of the highest terrain, world units.
     highest: f32,
     // Cells along x and z.
-    cells: vec2i,
+    cells: vec2f,
     // Cells per world unit along x and z.
     cells_per_unit: vec2f,
-    // Uniform steps: fewest and most.
-    samples: vec2f,
-    // Halvings after the first sample below the ground.
-    binary_steps: u32,
-    // Coarsest level of the pyramid.
-    top_level: u32,
-    // Guard against an endless walk.
-    step_cap: u32,
-    // Highest displacement of the crater layer, world units; 0 without one.
-    layer_rise: f32,
+    // Share of the map that a sample takes up along x and z.
+    texel_size: vec2f,
     // Samples of the crater layer along x and z, less one.
     layer_cells: vec2f,
+    // Nodes of the pyramid's level 1 along x and z, with what pads them so that every level is half the one before.
+    pyramid_size: vec2f,
+    // Share of the pyramid's texture that a node takes up along x and z.
+    pyramid_texel: vec2f,
+    // Uniform steps: fewest and most.
+    samples: vec2f,
+    // Side in cells of a node of the coarsest level.
+    top_size: f32,
+    // Highest displacement of the crater layer, world units; 0 without one.
+    layer_rise: f32,
+    // View depth of the box's farthest corner.
+    farthest: f32,
+    // Texels of the diffuse texture per world unit (one repeat).
+    texel_density: f32,
+    // Halvings after the first sample below the ground.
+    binary_steps: u32,
+    // Guard against an endless walk.
+    step_cap: u32,
+    heat_map_max: f32,
+    repeats: f32,
+    diffuse: f32,
+    specular: f32,
     // Towards the sun.
     sun: vec3f,
     ambient: f32,
-    diffuse: f32,
-    specular: f32,
     shininess: f32,
-    repeats: f32,
-    // Texels of the diffuse texture per world unit (one repeat).
-    texel_density: f32,
-    heat_map_max: f32,
-    padding: vec2f,
 }
 
+#ifdef FLAT_CONSTANTS
+@group(1) @binding(0) var<uniform> terrain_uniform: Terrain;
+var<private> terrain: Terrain;
+#else
 @group(1) @binding(0) var<uniform> terrain: Terrain;
+#endif
 @group(1) @binding(1) var heights: texture_2d<f32>;
 // Clamps to the edge and does not filter: one gather reads the four corners of a cell.
 @group(1) @binding(7) var corner_sampler: sampler;
@@ -55,7 +67,7 @@ struct Terrain {
 
 // Displacement at the grid position `p`, as a share of the box's height.
 fn layer_displacement(p: vec2f) -> f32 {
-    let q = p / vec2f(terrain.cells) * terrain.layer_cells;
+    let q = p / terrain.cells * terrain.layer_cells;
 #ifdef FILTER_HARDWARE_LINEAR
     return textureSampleLevel(crater_layer, height_sampler, (q + 0.5) / (terrain.layer_cells + 1.0), 0.0).r;
 #else
@@ -69,13 +81,13 @@ fn layer_displacement(p: vec2f) -> f32 {
 
 // Heights of the samples at `cell` and south-east of it: north-west, north-east, south-west, south-east. World units.
 // Beyond the map's border the nearest sample counts.
-fn cell_corners(cell: vec2i) -> vec4f {
+fn cell_corners(cell: vec2f) -> vec4f {
     // The corner that the four texels share. It lies half a texel from where the choice of texels would change.
-    let shared_corner = vec2f(cell + 1) / vec2f(terrain.cells + 1);
+    let shared_corner = (cell + 1.0) * terrain.texel_size;
     let corners = textureGather(0, heights, corner_sampler, shared_corner).wzxy;
 #ifdef CRATERS_LAYERED
-    let west_north = vec2f(clamp(cell, vec2i(0), terrain.cells));
-    let east_south = vec2f(clamp(cell + 1, vec2i(0), terrain.cells));
+    let west_north = clamp(cell, vec2f(0.0), terrain.cells);
+    let east_south = clamp(cell + 1.0, vec2f(0.0), terrain.cells);
     let displacement = vec4f(
         layer_displacement(west_north),
         layer_displacement(vec2f(east_south.x, west_north.y)),
@@ -95,14 +107,14 @@ fn bilinear(corners: vec4f, f: vec2f) -> f32 {
 // Height of the ground at the grid position `p`, world units, read the way the scene chose.
 fn ground_height(p: vec2f) -> f32 {
 #ifdef FILTER_HARDWARE_LINEAR
-    var height = textureSampleLevel(heights, height_sampler, (p + 0.5) / vec2f(terrain.cells + 1), 0.0).r;
+    var height = textureSampleLevel(heights, height_sampler, (p + 0.5) * terrain.texel_size, 0.0).r;
 #else
 #ifdef FILTER_NEAREST
-    var height = textureLoad(heights, clamp(vec2i(floor(p + 0.5)), vec2i(0), terrain.cells), 0).r;
+    var height = textureLoad(heights, vec2i(clamp(floor(p + 0.5), vec2f(0.0), terrain.cells)), 0).r;
 #else
-    let cell = clamp(vec2i(floor(p)), vec2i(0), terrain.cells - 1);
-    let f = p - vec2f(cell);
-    let shared_corner = vec2f(cell + 1) / vec2f(terrain.cells + 1);
+    let cell = clamp(floor(p), vec2f(0.0), terrain.cells - 1.0);
+    let f = p - cell;
+    let shared_corner = (cell + 1.0) * terrain.texel_size;
     var height = bilinear(textureGather(0, heights, corner_sampler, shared_corner).wzxy, f);
 #endif
 #endif
@@ -121,9 +133,9 @@ struct Segment {
     // |cosine| of the angle between the ray and the vertical, in world space.
     verticality: f32,
 #ifdef BEAM
-    // Parameter before which the ray meets nothing, and the level of the pyramid to begin at.
+    // Parameter before which the ray meets nothing, and the side in cells of the node to begin in.
     begin: f32,
-    level: u32,
+    size: f32,
 #endif
 }
 

@@ -1,74 +1,107 @@
 // A walk over the nodes of the maximum pyramid: level l has nodes of 2^l × 2^l cells. Level 0 is not stored: its
-// maximum is that of the four corners, which the patch needs anyway. Mip m of the texture is level m + 1.
+// maximum is that of the four corners, which the patch needs anyway.
+//
+// Walls between nodes lie at whole numbers of cells and a node's side is a power of two, so f32 holds both exactly up
+// to 2^24 and the walk steps as an integer walk would, without its conversions. Along each axis positions are negated
+// where the ray goes down, so that every ray goes up: the wall ahead of it is always the larger one.
 #define_import_path relief::pyramid
 
-#import relief::heightfield::terrain
+#import relief::heightfield::{terrain, corner_sampler}
 
+// Level 1 at the origin; the coarser ones beside it, one below the other.
 @group(1) @binding(3) var pyramid: texture_2d<f32>;
 
 // A ray that is parallel to an axis gets this reciprocal: large, but finite, so that 0 · RECIPROCAL_OF_ZERO is 0.
 const RECIPROCAL_OF_ZERO: f32 = 1e30;
 
-fn reciprocal(x: f32) -> f32 {
-    if abs(x) < 1.0 / RECIPROCAL_OF_ZERO {
-        return RECIPROCAL_OF_ZERO;
-    }
-    return 1.0 / x;
+// Where both are numbers, `select` is one instruction less on each lane than `min`, which must not return a NaN.
+fn lesser(a: f32, b: f32) -> f32 {
+    return select(b, a, a < b);
 }
 
-// Highest ground of a node, world units; `level` is at least 1.
-fn node_height(node: vec2i, level: u32) -> f32 {
-    return textureLoad(pyramid, node, i32(level) - 1).r * terrain.size.y + terrain.layer_rise;
+fn greater(a: f32, b: f32) -> f32 {
+    return select(b, a, a > b);
 }
 
-// Where a walk stands.
-struct Walk {
-    // Parameter at which the ray is in `node`.
-    t: f32,
-    level: u32,
-    node: vec2i,
-    steps: u32,
+// Highest ground of the node (column and row) of `size` cells, at least 2; world units.
+fn node_height(node: vec2f, size: f32) -> f32 {
+    // Rows above the level: those of levels 2, 3, …, each half as many as of the one before.
+    let beside = vec2f(terrain.pyramid_size.x, terrain.pyramid_size.y * (1.0 - 4.0 / size));
+    let place = select(vec2f(0.5), beside + 0.5, size > 2.0);
+    // Sampled at a texel's centre: a sampler's address costs less than that of a load, which can have any mip.
+    let height = textureSampleLevel(pyramid, corner_sampler, (node + place) * terrain.pyramid_texel, 0.0).r;
+    return height * terrain.size.y + terrain.layer_rise;
 }
 
 // What does not change along a walk.
 struct Course {
+    origin: vec2f,
+    // Reciprocals of the direction; positive.
     inverse: vec2f,
-    // 1 along an axis where the ray goes up, 0 where it goes down.
-    forward: vec2i,
+    // −1 along an axis that is negated, and what makes a node's number of its wall's.
+    sign: vec2f,
+    shift: vec2f,
+    // Where the map ends.
+    border: vec2f,
 }
 
-fn course_along(direction: vec2f) -> Course {
-    let inverse = vec2f(reciprocal(direction.x), reciprocal(direction.y));
+// Where a walk stands.
+struct Walk {
+    // Parameter at which the ray is in the node.
+    t: f32,
+    // Side of the node in cells.
+    size: f32,
+    // Number of the node's wall ahead of the ray along each axis: walls of this level lie `size` cells apart.
+    wall: vec2f,
+    steps: u32,
+}
+
+// The course of a ray from `origin` along `direction`, grid space.
+fn course_along(origin: vec2f, direction: vec2f) -> Course {
     // A ray without a direction along an axis counts as going up: its wall is then RECIPROCAL_OF_ZERO away, or at 0.
-    return Course(inverse, vec2i(inverse >= vec2f(0.0)));
+    let parallel = abs(direction) < vec2f(1.0 / RECIPROCAL_OF_ZERO);
+    let down = !parallel & (direction < vec2f(0.0));
+    let sign = select(vec2f(1.0), vec2f(-1.0), down);
+    return Course(
+        origin * sign,
+        select(abs(1.0 / direction), vec2f(RECIPROCAL_OF_ZERO), parallel),
+        sign,
+        select(vec2f(-1.0), vec2f(0.0), down),
+        select(terrain.cells, vec2f(0.0), down),
+    );
 }
 
-// Parameters of the walls through which the ray leaves `walk.node`.
-fn walls_ahead(walk: Walk, course: Course, origin: vec2f) -> vec2f {
-    return (vec2f((walk.node + course.forward) << vec2u(walk.level)) - origin) * course.inverse;
+// The walk that starts at `t` in the node of `size` that holds the grid position `p`.
+fn start(course: Course, p: vec2f, t: f32, size: f32) -> Walk {
+    return Walk(t, size, course.sign * (floor(p / size) - course.shift), 0u);
 }
 
-// The node behind the nearer wall. It is stepped as an integer, never found again from the position.
-fn node_behind(walk: Walk, course: Course, walls: vec2f) -> vec2i {
-    let step = 2 * course.forward - 1;
-    return walk.node + select(vec2i(0, step.y), vec2i(step.x, 0), walls.x <= walls.y);
+// Column and row of the walk's node among those of its level.
+fn node_of(course: Course, walk: Walk) -> vec2f {
+    return course.sign * walk.wall + course.shift;
 }
 
-// The walk after a node: into the child that the ray is in where the node is `blocked`, else at `leave` into the node
-// `behind`, and up a level, at most to `top`, where the wall between is also the parent's. Selections, not branches:
-// where rays are drawn in step, a branch costs both its sides and the switching.
-fn next_node(walk: Walk, origin: vec2f, direction: vec2f, behind: vec2i, leave: f32, blocked: bool, top: u32)
-    -> Walk {
-    // The child is found from the position and then clamped into its parent.
-    let finer = max(walk.level, 1u) - 1u;
-    let place = vec2i(floor(origin + direction * walk.t)) >> vec2u(finer);
-    let child = clamp(place, 2 * walk.node, 2 * walk.node + 1);
-    let parent = behind >> vec2u(1u);
-    let up = walk.level < top && any(parent != (walk.node >> vec2u(1u)));
+// Parameters at which the ray reaches positions along the two axes.
+fn reached(course: Course, position: vec2f) -> vec2f {
+    return (position - course.origin) * course.inverse;
+}
+
+// The walk in the node behind the nearer wall, at `leave`; `through_x` says which. Where that wall is one of the node's
+// parent, too, the walk goes up a level, at most to nodes of `top` cells.
+fn moved_on(walk: Walk, through_x: bool, leave: f32, top: f32) -> Walk {
+    let parents = 0.5 * select(walk.wall.y, walk.wall.x, through_x);
+    let up = walk.size < top && parents == floor(parents);
+    let next = walk.wall + select(vec2f(0.0, 1.0), vec2f(1.0, 0.0), through_x);
+    return Walk(leave, select(walk.size, 2.0 * walk.size, up), select(next, ceil(0.5 * next), up), walk.steps);
+}
+
+// One walk or the other. Selections, not branches: where rays are drawn in step, a branch costs both its sides and the
+// switching.
+fn either(second: Walk, first: Walk, which: bool) -> Walk {
     return Walk(
-        select(leave, walk.t, blocked),
-        select(select(walk.level, walk.level + 1u, up), finer, blocked),
-        select(select(behind, parent, up), child, blocked),
-        walk.steps,
+        select(second.t, first.t, which),
+        select(second.size, first.size, which),
+        select(second.wall, first.wall, which),
+        first.steps,
     );
 }

@@ -12,9 +12,9 @@
 // Weights of the Sobel operator's difference along an axis, over the four samples around the cell `first`, at the
 // fraction `f` of the way from its first to its second corner. At the map's border, samples 0 and `last`, the neighbour
 // beyond is the sample itself and the difference spans one cell instead of two.
-fn difference_weights(first: i32, last: i32, f: f32) -> vec4f {
-    let a = (1.0 - f) * select(0.5, 1.0, first == 0);
-    let b = f * select(0.5, 1.0, first + 1 == last);
+fn difference_weights(first: f32, last: f32, f: f32) -> vec4f {
+    let a = (1.0 - f) * select(0.5, 1.0, first == 0.0);
+    let b = f * select(0.5, 1.0, first + 1.0 == last);
     return vec4f(-a, -b, a, b);
 }
 
@@ -27,12 +27,12 @@ fn smoothing_weights(f: f32) -> vec4f {
 // interpolated, so that it is continuous although the patches have creases. The operator is separable, and so is the
 // interpolation: both together are one weight for each row and column of the 4×4 samples around the cell.
 fn ground_normal(p: vec2f) -> vec3f {
-    let cell = clamp(vec2i(floor(p)), vec2i(0), terrain.cells - 1);
-    let f = p - vec2f(cell);
-    let north_west = cell_corners(cell - 1);
-    let north_east = cell_corners(cell + vec2i(1, -1));
-    let south_west = cell_corners(cell + vec2i(-1, 1));
-    let south_east = cell_corners(cell + 1);
+    let cell = clamp(floor(p), vec2f(0.0), terrain.cells - 1.0);
+    let f = p - cell;
+    let north_west = cell_corners(cell - 1.0);
+    let north_east = cell_corners(cell + vec2f(1.0, -1.0));
+    let south_west = cell_corners(cell + vec2f(-1.0, 1.0));
+    let south_east = cell_corners(cell + 1.0);
     let rows = mat4x4f(
         vec4f(north_west.xy, north_east.xy),
         vec4f(north_west.zw, north_east.zw),
@@ -51,10 +51,11 @@ fn ground_normal(p: vec2f) -> vec3f {
 // Reflectance of the ground at the grid position `p`, seen at the view depth `depth`.
 fn ground_albedo(p: vec2f, depth: f32) -> vec3f {
 #ifdef DIFFUSE_TEXTURE
-    let uv = p / vec2f(terrain.cells) * terrain.repeats;
+    let uv = p / terrain.cells * terrain.repeats;
     // Texels under the pixel choose the mip; there are no derivatives after a march.
     let texels = depth * frame.pixel_size * terrain.texel_density * terrain.repeats;
-    return textureSampleLevel(diffuse_texture, diffuse_sampler, uv, log2(max(texels, 1.0))).rgb;
+    let root = textureSampleLevel(diffuse_texture, diffuse_sampler, uv, log2(max(texels, 1.0))).rgb;
+    return root * root;
 #else
     return vec3f(0.5);
 #endif

@@ -1,13 +1,17 @@
 // The terrain pass: the back faces of the box are drawn, so that it works from inside and out, and each fragment casts
 // its ray through the height field.
 
-#import relief::frame::{frame, Ray, pixel_ray, cube_corner}
+#import relief::frame::{frame, Ray, pixel_ray, slabs, cube_corner}
 #import relief::constants::NEAR
 #ifdef BEAM
 #import relief::beam::BEAM_TILE
 #endif
 #import relief::srgb::from_srgb
 #import relief::heightfield::{terrain, Segment, NO_HIT}
+#ifdef FLAT_CONSTANTS
+#import relief::heightfield::terrain_uniform
+#endif
+#import relief::varyings
 #ifndef VIEW_POSITION
 #import relief::march::march
 #endif
@@ -22,25 +26,21 @@
 #endif
 
 #ifdef BEAM
-// Per tile of pixels: parameter where its rays may start, and the level of the pyramid to start at.
+// Per tile of pixels: parameter where its rays may start, and the side in cells of the node to start in.
 @group(1) @binding(8) var beams: texture_2d<f32>;
 #endif
 
-struct Varyings {
-    @builtin(position) position: vec4f,
-#ifdef VIEW_POSITION
-    @location(0) corner: vec3f,
-#endif
-}
-
 @vertex
-fn vs_main(@builtin(vertex_index) index: u32) -> Varyings {
-    var out: Varyings;
-    out.position = terrain.box_clip[index];
+fn vs_main(@builtin(vertex_index) index: u32) -> varyings::Varyings {
+#ifdef FLAT_CONSTANTS
+    return varyings::at(terrain_uniform.box_clip[index]);
+#else
+    var out = varyings::at(terrain.box_clip[index]);
 #ifdef VIEW_POSITION
     out.corner = cube_corner(index);
 #endif
     return out;
+#endif
 }
 
 struct Fragment {
@@ -55,7 +55,7 @@ struct Fragment {
 
 // The study's fixed-function shader: no ray, only where on the cube the fragment lies.
 @fragment
-fn fs_main(in: Varyings) -> Fragment {
+fn fs_main(in: varyings::Varyings) -> Fragment {
     return Fragment(vec4f(from_srgb(in.corner), 1.0));
 }
 
@@ -70,23 +70,15 @@ struct Span {
     to_floor: bool,
 }
 
-// A ray that is parallel to two faces is between them this long, or never.
-const FOR_EVER: f32 = 1e30;
-
 fn clip_to_box(ray: Ray) -> Span {
 #ifdef LOWER_START
     let top = terrain.highest;
 #else
     let top = terrain.size.y;
 #endif
-    let far_corner = vec3f(terrain.size.x, top, terrain.size.z);
-    let parallel = abs(ray.direction) < vec3f(1.0 / FOR_EVER);
-    let divisor = select(ray.direction, vec3f(1.0), parallel);
-    let first = -ray.origin / divisor;
-    let second = (far_corner - ray.origin) / divisor;
-    let between = select(vec3f(FOR_EVER), vec3f(-FOR_EVER), (ray.origin >= vec3f(0.0)) & (ray.origin <= far_corner));
-    let enter = select(min(first, second), between, parallel);
-    let leave = select(max(first, second), -between, parallel);
+    let faces = slabs(ray, vec3f(0.0), vec3f(terrain.size.x, top, terrain.size.z));
+    let enter = faces.enter;
+    let leave = faces.leave;
     let end = min(min(leave.x, leave.y), leave.z);
     let into = max(max(enter.x, enter.y), enter.z);
     let outside = into > -frame.ray_start;
@@ -96,7 +88,8 @@ fn clip_to_box(ray: Ray) -> Span {
 }
 
 @fragment
-fn fs_main(in: Varyings) -> Fragment {
+fn fs_main(in: varyings::Varyings) -> Fragment {
+    varyings::receive(in);
     let ray = pixel_ray(in.position.xy);
     let span = clip_to_box(ray);
     if span.begin > span.end {
@@ -104,7 +97,7 @@ fn fs_main(in: Varyings) -> Fragment {
     }
     let length_of_direction = length(ray.direction);
     let scale = vec3f(terrain.cells_per_unit.x, 1.0, terrain.cells_per_unit.y);
-    let inside = vec2f(terrain.cells);
+    let inside = terrain.cells;
     var origin = (ray.origin + ray.direction * span.begin) * scale;
     origin = vec3f(clamp(origin.x, 0.0, inside.x), origin.y, clamp(origin.z, 0.0, inside.y));
     let direction = ray.direction * scale;
@@ -112,7 +105,7 @@ fn fs_main(in: Varyings) -> Fragment {
 #ifdef BEAM
     let beam = textureLoad(beams, vec2i(in.position.xy) / i32(BEAM_TILE), 0);
     let begin = max(beam.r - span.begin, 0.0);
-    let segment = Segment(origin, direction, span.end - span.begin, verticality, begin, u32(beam.g));
+    let segment = Segment(origin, direction, span.end - span.begin, verticality, begin, beam.g);
 #else
     let segment = Segment(origin, direction, span.end - span.begin, verticality);
 #endif

@@ -1,9 +1,15 @@
-// Exact: maximum mipmap traversal (Tevs, Ihrke, Seidel 2008) over integer nodes, with the bilinear patch solved at
-// the cells.
+// Exact: maximum mipmap traversal (Tevs, Ihrke, Seidel 2008) over whole nodes, with the bilinear patch solved at the
+// cells.
 #define_import_path relief::march
 
 #import relief::heightfield::{terrain, Segment, Hit, NO_HIT, cell_corners, bilinear}
-#import relief::pyramid::{RECIPROCAL_OF_ZERO, Walk, course_along, walls_ahead, node_behind, next_node, node_height}
+#import relief::pyramid::{
+    RECIPROCAL_OF_ZERO, Walk, lesser, greater, course_along, start, node_of, node_height, reached, moved_on, either,
+}
+
+// A falling ray is stopped short of the height at which it may first meet the ground of a node by this share of its
+// fall: more than the rounding of that place.
+const SHORT: f32 = 1e-6;
 
 // First parameter in [0, length] where the ray from `local` (coordinates in the cell, y in world units) meets the
 // bilinear patch over `corners`, or NO_HIT.
@@ -25,59 +31,77 @@ fn intersect_patch(corners: vec4f, local: vec3f, direction: vec3f, length: f32) 
     return select(select(NO_HIT, t, meets), 0.0, c <= 0.0);
 }
 
-// Whether `node` of `level` is on the map.
-fn on_map(node: vec2i, level: u32) -> bool {
-    return all(node >= vec2i(0)) && all(node <= (terrain.cells - 1) >> vec2u(level));
-}
-
 fn march(ray: Segment) -> Hit {
-    let course = course_along(ray.direction.xz);
-    let direction = ray.direction.xz;
-    // A ray along the map's eastern or southern border belongs to the last cells, not to the wall behind them.
-    let parallel = abs(direction) < vec2f(1.0 / RECIPROCAL_OF_ZERO);
-    let before_border = vec2f(terrain.cells) * (1.0 - 1.2e-7);
-    let origin = select(ray.origin.xz, min(ray.origin.xz, before_border), parallel);
     if ray.begin > ray.end {
         // The beam reaches the end of the box, or passes it by.
         return Hit(NO_HIT, 1u, 0u);
     }
-    let cell = clamp(vec2i(floor(origin + direction * ray.begin)), vec2i(0), terrain.cells - 1);
-    var walk = Walk(ray.begin, ray.level, cell >> vec2u(ray.level), 0u);
+    let direction = ray.direction.xz;
+    // A ray along the map's eastern or southern border belongs to the last cells, not to the wall behind them.
+    let parallel = abs(direction) < vec2f(1.0 / RECIPROCAL_OF_ZERO);
+    let before_border = terrain.cells * (1.0 - 1.2e-7);
+    let origin = select(ray.origin.xz, min(ray.origin.xz, before_border), parallel);
+    let course = course_along(origin, direction);
+    let falling = ray.direction.y < 0.0;
+    // Parameter per height; 0 for a ray that does not fall.
+    let per_height = select(0.0, (1.0 - SHORT) / ray.direction.y, falling);
+    let shortness = 2.0 * SHORT * abs(ray.origin.y);
+    let first_cell = clamp(floor(origin + direction * ray.begin), vec2f(0.0), terrain.cells - 1.0);
+    var walk = start(course, first_cell, ray.begin, ray.size);
     while walk.steps < terrain.step_cap {
         // Down and across through the pyramid, until the ray may meet a cell. A loop of its own: where many rays walk
-        // in step, none of them pays for the cells of the others here.
-        while walk.level > 0u {
+        // in step, none of them pays for the cells of the others here. Each turn waits for the height of one node;
+        // all that does not need it is prepared meanwhile, and what does is a comparison with it.
+        while walk.size > 1.0 {
             walk.steps += 1u;
-            let walls = walls_ahead(walk, course, origin);
+            let height = node_height(node_of(course, walk), walk.size);
+            let walls = walk.wall * walk.size;
+            let ahead = reached(course, walls);
+            let through_x = ahead.x <= ahead.y;
             // A wall that rounding puts behind the ray must not move it backwards.
-            let leave = max(min(min(walls.x, walls.y), ray.end), walk.t);
-            let lowest = ray.origin.y + min(ray.direction.y * walk.t, ray.direction.y * leave);
-            let blocked = lowest <= node_height(walk.node, walk.level);
-            let behind = node_behind(walk, course, walls);
-            if !blocked && (leave >= ray.end || !on_map(behind, walk.level)) {
-                return Hit(NO_HIT, walk.steps, 0u);
+            let leave = greater(lesser(select(ahead.y, ahead.x, through_x), ray.end), walk.t);
+            let lowest = ray.origin.y + ray.direction.y * select(walk.t, leave, falling);
+            var onward = moved_on(walk, through_x, leave, terrain.top_size);
+            if leave >= ray.end || select(walls.y >= course.border.y, walls.x >= course.border.x, through_x) {
+                onward.size = 0.0;
             }
-            walk = next_node(walk, origin, direction, behind, leave, blocked, terrain.top_level);
-            // A child of a node at the map's border may lie beyond it.
-            walk.node = min(walk.node, (terrain.cells - 1) >> vec2u(walk.level));
+            // The child that the ray is in at `t`, or when it has fallen to the node's highest ground. One beyond the
+            // map's border, where rounding can put the end of a ray, is not entered.
+            let middle = walls - 0.5 * walk.size;
+            let middle_at = reached(course, middle);
+            let ahead_of_middle = (vec2f(walk.t) < middle_at) | (middle >= course.border);
+            let height_at_middle = select(
+                vec2f(-RECIPROCAL_OF_ZERO),
+                ray.origin.y + ray.direction.y * middle_at - shortness,
+                vec2<bool>(falling) & (middle < course.border),
+            );
+            let first = ahead_of_middle & (vec2f(height) > height_at_middle);
+            let low_enough = lesser(greater((height - ray.origin.y) * per_height, walk.t), leave);
+            let within = Walk(low_enough, 0.5 * walk.size, 2.0 * walk.wall - vec2f(first), walk.steps);
+            walk = either(onward, within, lowest <= height);
+        }
+        if walk.size == 0.0 {
+            return Hit(NO_HIT, walk.steps, 0u);
         }
         walk.steps += 1u;
-        let walls = walls_ahead(walk, course, origin);
-        let leave = max(min(min(walls.x, walls.y), ray.end), walk.t);
-        let corners = cell_corners(walk.node);
-        let position = (origin - vec2f(walk.node)) + direction * walk.t;
+        let ahead = reached(course, walk.wall);
+        let through_x = ahead.x <= ahead.y;
+        let leave = greater(lesser(select(ahead.y, ahead.x, through_x), ray.end), walk.t);
+        let cell = node_of(course, walk);
+        let corners = cell_corners(cell);
+        let position = (origin - cell) + direction * walk.t;
         let local = vec3f(position.x, ray.origin.y + ray.direction.y * walk.t, position.y);
         let hit = intersect_patch(corners, local, ray.direction, leave - walk.t);
         if hit >= 0.0 {
             return Hit(walk.t + hit, walk.steps, 0u);
         }
-        let behind = node_behind(walk, course, walls);
-        if leave >= ray.end || !on_map(behind, 0u) {
+        let wall = select(walk.wall.y, walk.wall.x, through_x);
+        if leave >= ray.end || wall >= select(course.border.y, course.border.x, through_x) {
             return Hit(NO_HIT, walk.steps, 0u);
         }
         // Near the ground a node of 2 × 2 cells would mostly lead straight back down: it is tried every four cells.
-        let up = any((behind >> vec2u(2u)) != (walk.node >> vec2u(2u)));
-        walk = Walk(leave, select(0u, 1u, up), select(behind, behind >> vec2u(1u), up), walk.steps);
+        let four = 0.25 * wall;
+        walk = moved_on(walk, through_x, leave, select(1.0, 2.0, four == floor(four)));
     }
     return Hit(walk.t, terrain.step_cap, 1u);
 }

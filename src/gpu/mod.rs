@@ -28,6 +28,8 @@ pub struct Capabilities {
     pub filterable_float32: bool,
     /// Largest side of a texture.
     pub max_texture: u32,
+    /// The adapter is a program that runs on the CPU: shaders are composed to suit it.
+    pub software: bool,
 }
 
 /// Why there is no device.
@@ -117,6 +119,7 @@ impl Gpu {
             timestamps: false,
             filterable_float32: true,
             max_texture: device.limits().max_texture_dimension_2d,
+            software: false,
         };
         Arc::new(Self {
             instance: Self::instance(),
@@ -154,6 +157,7 @@ impl Gpu {
             timestamps: offered.contains(wgpu::Features::TIMESTAMP_QUERY),
             filterable_float32: offered.contains(wgpu::Features::FLOAT32_FILTERABLE),
             max_texture: limits.max_texture_dimension_2d,
+            software: adapter.get_info().device_type == wgpu::DeviceType::Cpu,
         };
         let (device, queue) = adapter
             .request_device(&wgpu::DeviceDescriptor {

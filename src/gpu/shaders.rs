@@ -30,6 +30,7 @@ const EMBEDDED: &[(&str, &str)] = embed![
     "skybox.wgsl",
     "srgb.wgsl",
     "terrain.wgsl",
+    "varyings.wgsl",
 ];
 
 /// A shader that does not compose or does not validate, with the place in the source.

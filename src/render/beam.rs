@@ -12,13 +12,18 @@ use super::terrain::TerrainUniform;
 /// Side of a tile in pixels.
 const TILE: u32 = 8;
 
-/// Start parameter and level of the pyramid.
+/// Start parameter, and side in cells of the node to start in.
 const BEAM_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rg32Float;
 
 pub(super) fn describe() -> PassDescription {
     PassDescription {
-        modules: vec!["frame.wgsl", "heightfield.wgsl", "pyramid.wgsl"],
-        bindings: vec![uniform_entry::<TerrainUniform>(0), texture_entry(3, false, false)],
+        modules: vec!["frame.wgsl", "heightfield.wgsl", "varyings.wgsl", "pyramid.wgsl"],
+        casts_rays: true,
+        bindings: vec![
+            uniform_entry::<TerrainUniform>(0),
+            texture_entry(3, false, false),
+            super::frame::corner_sampler_entry(7),
+        ],
         depth: None,
         format: BEAM_FORMAT,
         ..PassDescription::scene("beam", "beam.wgsl", false)
@@ -87,10 +92,10 @@ impl Beams {
         pass.draw(0..3, 0..1);
     }
 
-    /// Lets every ray start where it enters the box, at the level `top`.
+    /// Lets every ray start where it enters the box, in a node of `size` cells.
     #[cfg(test)]
-    pub(super) fn clear(&self, encoder: &mut wgpu::CommandEncoder, top: u32) {
-        let nowhere = wgpu::Color { r: f64::from(f32::MIN), g: f64::from(top), b: 0.0, a: 0.0 };
+    pub(super) fn clear(&self, encoder: &mut wgpu::CommandEncoder, size: f32) {
+        let nowhere = wgpu::Color { r: f64::from(f32::MIN), g: f64::from(size), b: 0.0, a: 0.0 };
         let attachments = [Some(wgpu::RenderPassColorAttachment {
             view: &self.starts.view,
             depth_slice: None,

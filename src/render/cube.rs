@@ -6,15 +6,16 @@ use wgpu::util::DeviceExt;
 use crate::camera::NEAR;
 use crate::gpu::Gpu;
 
-/// Triangles, counter-clockwise seen from outside. Corner `i` has bit 0 for x, bit 1 for y, bit 2 for z.
+/// Triangles, counter-clockwise seen from outside. Corner `i` has bit 0 for x, bit 1 for y, bit 2 for z. Both triangles
+/// of a face begin with the same corner, and each face with another one: a flat varying tells the faces apart.
 #[rustfmt::skip]
 const TRIANGLES: [u16; 36] = [
-    0, 4, 6, 0, 6, 2,
-    1, 3, 7, 1, 7, 5,
-    0, 1, 5, 0, 5, 4,
-    2, 6, 7, 2, 7, 3,
-    0, 2, 3, 0, 3, 1,
-    4, 5, 7, 4, 7, 6,
+    4, 6, 2, 4, 2, 0,
+    3, 7, 5, 3, 5, 1,
+    1, 5, 4, 1, 4, 0,
+    6, 7, 3, 6, 3, 2,
+    2, 3, 1, 2, 1, 0,
+    5, 7, 6, 5, 6, 4,
 ];
 
 /// The twelve edges, as lines.

@@ -109,13 +109,13 @@ pub(super) fn uniform_entry<T>(binding: u32) -> wgpu::BindGroupLayoutEntry {
 }
 
 /// The layout entry of a texture that fragments read.
-pub(super) fn texture_entry(binding: u32, filterable: bool, cube: bool) -> wgpu::BindGroupLayoutEntry {
+pub(super) fn texture_entry(binding: u32, filterable: bool, layers: bool) -> wgpu::BindGroupLayoutEntry {
     wgpu::BindGroupLayoutEntry {
         binding,
-        visibility: wgpu::ShaderStages::FRAGMENT,
+        visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
         ty: wgpu::BindingType::Texture {
             sample_type: wgpu::TextureSampleType::Float { filterable },
-            view_dimension: if cube { wgpu::TextureViewDimension::Cube } else { wgpu::TextureViewDimension::D2 },
+            view_dimension: if layers { wgpu::TextureViewDimension::D2Array } else { wgpu::TextureViewDimension::D2 },
             multisampled: false,
         },
         count: None,

@@ -50,7 +50,7 @@ struct Layer {
 impl Ground {
     pub(super) fn new(gpu: &Gpu, terrain: EditedTerrain) -> Self {
         let map = terrain.base();
-        let heights = float_texture(gpu, "heights", [map.width(), map.height()], 1);
+        let heights = float_texture(gpu, "heights", [map.width(), map.height()]);
         let mut ground = Self {
             terrain,
             heights,
@@ -121,8 +121,22 @@ impl Ground {
     }
 
     /// The coarsest level of the pyramid that the walk uses.
-    pub(super) fn top_level(&self) -> u32 {
-        self.used_levels(self.terrain.pyramid())
+    fn top_level(&self) -> u32 {
+        let levels = self.terrain.pyramid().levels();
+        let enough = levels.iter().position(|level| level.width.max(level.height) <= MOST_TOP_NODES);
+        enough.map_or(levels.len(), |index| index + 1) as u32
+    }
+
+    /// Side in cells of a node of that level.
+    pub(super) fn top_size(&self) -> f32 {
+        (1u32 << self.top_level()) as f32
+    }
+
+    /// Columns and rows that the texture keeps for the pyramid's finest level: with what pads them so that every level
+    /// is half the one before.
+    pub(super) fn pyramid_size(&self) -> [u32; 2] {
+        let finest = &self.terrain.pyramid().levels()[0];
+        [finest.width, finest.height].map(|side| padded(side, self.top_level()))
     }
 
     /// The highest ground, normalised. With a layer it is not known without reading all of both, so it is the lid.
@@ -141,22 +155,29 @@ impl Ground {
         if self.heights_have_craters { self.terrain.field() } else { self.terrain.base() }
     }
 
+    /// Size of the pyramid's texture: level 1, and beside it room for the others.
+    pub(super) fn pyramid_texture_size(&self) -> [u32; 2] {
+        let [width, height] = self.pyramid_size();
+        [width + if self.top_level() > 1 { width / 2 } else { 0 }, height]
+    }
+
     fn upload_heights(&mut self, gpu: &Gpu) {
         let field = self.resident();
         let all = SampleRect { x: 0, y: 0, width: field.width(), height: field.height() };
-        self.uploaded += upload(gpu, &self.heights.texture, 0, field.samples(), field.width(), all);
+        self.uploaded += upload(gpu, &self.heights.texture, [0, 0], field.samples(), field.width(), all);
     }
 
     fn upload_edit(&mut self, gpu: &Gpu, edit: &Edit) {
         let field = self.terrain.field();
-        self.uploaded += upload(gpu, &self.heights.texture, 0, field.samples(), field.width(), edit.samples);
-        let Some(pyramid) = &self.pyramid else { return };
+        self.uploaded += upload(gpu, &self.heights.texture, [0, 0], field.samples(), field.width(), edit.samples);
+        let Some(texture) = &self.pyramid else { return };
         let levels = self.terrain.pyramid().levels();
         for &NodeRect { level, x, y, width, height } in &edit.nodes {
-            if level <= pyramid.texture.mip_level_count() {
+            if level <= self.top_level() {
                 let data = &levels[level as usize - 1];
                 let rect = SampleRect { x, y, width, height };
-                self.uploaded += upload(gpu, &pyramid.texture, level - 1, &data.data, data.width, rect);
+                let place = level_place(self.pyramid_size(), level);
+                self.uploaded += upload(gpu, &texture.texture, place, &data.data, data.width, rect);
             }
         }
     }
@@ -169,20 +190,14 @@ impl Ground {
             of_base = MaxPyramid::build(self.terrain.base());
             &of_base
         };
-        let levels = self.used_levels(pyramid);
-        let finest = &pyramid.levels()[0];
-        let size = [padded(finest.width, levels), padded(finest.height, levels)];
-        let texture = float_texture(gpu, "pyramid", size, levels);
-        for (mip, level) in (0..levels).zip(pyramid.levels()) {
+        let (levels, size) = (self.top_level(), self.pyramid_size());
+        let texture = float_texture(gpu, "pyramid", self.pyramid_texture_size());
+        for (number, level) in (1..=levels).zip(pyramid.levels()) {
             let all = SampleRect { x: 0, y: 0, width: level.width, height: level.height };
-            self.uploaded += upload(gpu, &texture.texture, mip, &level.data, level.width, all);
+            let place = level_place(size, number);
+            self.uploaded += upload(gpu, &texture.texture, place, &level.data, level.width, all);
         }
         self.pyramid = Some(texture);
-    }
-
-    fn used_levels(&self, pyramid: &MaxPyramid) -> u32 {
-        let enough = pyramid.levels().iter().position(|level| level.width.max(level.height) <= MOST_TOP_NODES);
-        enough.map_or(pyramid.levels().len(), |index| index + 1) as u32
     }
 
     fn prepare_layer(&mut self, gpu: &Gpu, craters: &CraterSettings) {
@@ -194,25 +209,30 @@ impl Ground {
         let size = [layer.width, layer.height];
         let texture = match self.layer.take() {
             Some(old) if old.size == size => old.texture,
-            _ => float_texture(gpu, "crater layer", size, 1),
+            _ => float_texture(gpu, "crater layer", size),
         };
         let all = SampleRect { x: 0, y: 0, width: size[0], height: size[1] };
-        self.uploaded += upload(gpu, &texture.texture, 0, &layer.data, size[0], all);
+        self.uploaded += upload(gpu, &texture.texture, [0, 0], &layer.data, size[0], all);
         self.layer = Some(Layer { craters: craters.list.clone(), resolution, size, rise: layer.rise, texture });
     }
 }
 
-/// The side of mip 0 that makes every mip of a chain of `levels` large enough for a pyramid that rounds up: mips halve
-/// rounding down, so the side must be divisible by two often enough, or be a power of two.
+/// The least side of level 1, not below `side`, that can be halved for each further one of `levels`.
 fn padded(side: u32, levels: u32) -> u32 {
-    side.next_multiple_of(1 << (levels - 1)).min(side.next_power_of_two())
+    side.next_multiple_of(1 << (levels - 1))
 }
 
-fn float_texture(gpu: &Gpu, label: &str, size: [u32; 2], mips: u32) -> Texture {
+/// Where in the pyramid's texture the level with this number lies: level 1 at the origin, the coarser ones beside it,
+/// one below the other. `size` is that of level 1.
+fn level_place(size: [u32; 2], level: u32) -> [u32; 2] {
+    if level == 1 { [0, 0] } else { [size[0], size[1] - (size[1] >> (level - 2))] }
+}
+
+fn float_texture(gpu: &Gpu, label: &str, size: [u32; 2]) -> Texture {
     let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
         label: Some(label),
         size: wgpu::Extent3d { width: size[0], height: size[1], depth_or_array_layers: 1 },
-        mip_level_count: mips,
+        mip_level_count: 1,
         sample_count: 1,
         dimension: wgpu::TextureDimension::D2,
         format: HEIGHT_FORMAT,
@@ -223,8 +243,9 @@ fn float_texture(gpu: &Gpu, label: &str, size: [u32; 2], mips: u32) -> Texture {
     Texture { texture, view }
 }
 
-/// Copies `rect` of a grid of floats, `stride` to a row, into a mip of `texture`; returns the bytes copied.
-fn upload(gpu: &Gpu, texture: &wgpu::Texture, mip: u32, data: &[f32], stride: u32, rect: SampleRect) -> u64 {
+/// Copies `rect` of a grid of floats, `stride` to a row, into `texture`, where the grid begins at `place`; returns the
+/// bytes copied.
+fn upload(gpu: &Gpu, texture: &wgpu::Texture, place: [u32; 2], data: &[f32], stride: u32, rect: SampleRect) -> u64 {
     let row_bytes = stride as usize * size_of::<f32>();
     let rows_at_once = (UPLOAD_BYTES / row_bytes).max(1) as u32;
     let mut y = rect.y;
@@ -235,8 +256,8 @@ fn upload(gpu: &Gpu, texture: &wgpu::Texture, mip: u32, data: &[f32], stride: u3
         gpu.queue.write_texture(
             wgpu::TexelCopyTextureInfo {
                 texture,
-                mip_level: mip,
-                origin: wgpu::Origin3d { x: rect.x, y, z: 0 },
+                mip_level: 0,
+                origin: wgpu::Origin3d { x: place[0] + rect.x, y: place[1] + y, z: 0 },
                 aspect: wgpu::TextureAspect::All,
             },
             bytemuck::cast_slice(rows),
@@ -260,17 +281,22 @@ fn upload(gpu: &Gpu, texture: &wgpu::Texture, mip: u32, data: &[f32], stride: u3
 mod tests {
     use super::*;
 
+    /// Two levels over one another would let rays through the ground.
     #[test]
-    fn every_mip_holds_its_level() {
-        for side in 1..=3000 {
-            for levels in 1..=12 {
-                let padded = padded(side, levels);
-                assert!(padded <= 2 * side, "{side} grows to {padded}");
-                for mip in 0..levels {
-                    assert!(
-                        (padded >> mip).max(1) >= side.div_ceil(1 << mip),
-                        "side {side}, {levels} levels, mip {mip}"
-                    );
+    fn every_level_has_its_own_place() {
+        for sides in [[1, 1], [2, 1], [1, 9], [17, 40], [256, 256], [511, 300], [1500, 2]] {
+            for levels in 1..=8 {
+                let size = sides.map(|side| padded(side, levels));
+                let rect = |level: u32| (level_place(size, level), sides.map(|side| side.div_ceil(1 << (level - 1))));
+                for level in 1..=levels {
+                    let ([x, y], [width, height]) = rect(level);
+                    let whole = [size[0] + if levels > 1 { size[0] / 2 } else { 0 }, size[1]];
+                    assert!(x + width <= whole[0] && y + height <= whole[1], "{sides:?}, level {level} of {levels}");
+                    for other in 1..level {
+                        let ([left, top], [across, down]) = rect(other);
+                        let apart = left + across <= x || x + width <= left || top + down <= y || y + height <= top;
+                        assert!(apart, "{sides:?}: levels {other} and {level} of {levels} overlap");
+                    }
                 }
             }
         }

@@ -1,4 +1,7 @@
-//! Mip chains of sRGB images, averaged in linear light.
+//! Mip chains of sRGB images, averaged in linear light, and their textures.
+//!
+//! Textures hold square roots of linear light: 8 bits are as good for those as for sRGB, and a shader squares them in one
+//! instruction, where decoding sRGB texel by texel is the dearest part of a lookup in software.
 
 use std::sync::LazyLock;
 
@@ -22,6 +25,13 @@ static LINEAR: LazyLock<[f32; 256]> = LazyLock::new(|| {
         if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
     })
 });
+
+/// Format of a texture of square roots.
+pub(super) const ROOT_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
+
+/// Square root of the linear light of each sRGB byte, of 255.
+static ROOT: LazyLock<[u8; 256]> =
+    LazyLock::new(|| std::array::from_fn(|byte| (LINEAR[byte].sqrt() * 255.0).round() as u8));
 
 /// sRGB byte of linear light in 0..1, by a table fine enough for 8 bits.
 static ENCODED: LazyLock<Vec<u8>> =
@@ -92,9 +102,11 @@ fn average(finer: &Image, level: &mut Image, rect: SampleRect) {
     });
 }
 
-/// Copies `rect` of `image` into a mip and layer of `texture`; returns the bytes copied.
+/// Copies `rect` of `image` into a mip and layer of `texture`, of [`ROOT_FORMAT`]; returns the bytes copied.
 pub(super) fn upload(gpu: &Gpu, texture: &wgpu::Texture, mip: u32, layer: u32, image: &Image, rect: SampleRect) -> u64 {
     let stride = image.width as usize * 4;
+    let rows = &image.rgba[rect.y as usize * stride..(rect.y + rect.height) as usize * stride];
+    let roots: Vec<u8> = rows.par_iter().with_min_len(1 << 16).map(|&byte| ROOT[usize::from(byte)]).collect();
     gpu.queue.write_texture(
         wgpu::TexelCopyTextureInfo {
             texture,
@@ -102,7 +114,7 @@ pub(super) fn upload(gpu: &Gpu, texture: &wgpu::Texture, mip: u32, layer: u32, i
             origin: wgpu::Origin3d { x: rect.x, y: rect.y, z: layer },
             aspect: wgpu::TextureAspect::All,
         },
-        &image.rgba[rect.y as usize * stride..(rect.y + rect.height) as usize * stride],
+        &roots,
         wgpu::TexelCopyBufferLayout {
             offset: u64::from(rect.x) * 4,
             bytes_per_row: Some(stride as u32),

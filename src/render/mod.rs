@@ -305,7 +305,7 @@ impl Renderer {
         if let (Some((built, group)), Some(beams)) = (&passes.beam, &self.beams) {
             #[cfg(test)]
             if let (true, Some(ground)) = (self.whole_rays, &self.ground) {
-                beams.clear(encoder, ground.top_level());
+                beams.clear(encoder, ground.top_size());
                 return;
             }
             beams.encode(encoder, built, &self.frame.group, group, timestamps);

@@ -48,6 +48,8 @@ pub(super) struct PassDescription {
     pub(super) bindings: Vec<wgpu::BindGroupLayoutEntry>,
     /// Whether bind group 0 is the frame's.
     pub(super) frame: bool,
+    /// Whether its fragments cast rays: their constants come the way that suits the adapter (`varyings.wgsl`).
+    pub(super) casts_rays: bool,
     pub(super) topology: wgpu::PrimitiveTopology,
     /// Faces left out.
     pub(super) cull: Option<wgpu::Face>,
@@ -66,6 +68,7 @@ impl PassDescription {
             defs: Vec::new(),
             bindings: Vec::new(),
             frame: true,
+            casts_rays: false,
             topology: wgpu::PrimitiveTopology::TriangleList,
             cull: None,
             depth: Some((DEPTH_COMPARE, true)),
@@ -145,8 +148,11 @@ fn build(
     gpu: &Gpu,
     sources: &ShaderSources,
     frame: &wgpu::BindGroupLayout,
-    pass: PassDescription,
+    mut pass: PassDescription,
 ) -> Result<Built, ShaderError> {
+    if pass.casts_rays && gpu.capabilities.software {
+        pass.defs.push("FLAT_CONSTANTS");
+    }
     let module = sources.compose(pass.file, &pass.modules, &pass.defs)?;
     let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
     let shader = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {

@@ -66,14 +66,14 @@ impl Skybox {
             mip_level_count: 1,
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,
-            format: wgpu::TextureFormat::Rgba8UnormSrgb,
+            format: mips::ROOT_FORMAT,
             usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
             view_formats: &[],
         });
         let uploaded =
             faces.iter().zip(0..).map(|(face, layer)| mips::upload(gpu, &texture, 0, layer, face, face.all())).sum();
         let view = texture.create_view(&wgpu::TextureViewDescriptor {
-            dimension: Some(wgpu::TextureViewDimension::Cube),
+            dimension: Some(wgpu::TextureViewDimension::D2Array),
             ..Default::default()
         });
         let sampler = gpu.device.create_sampler(&wgpu::SamplerDescriptor {

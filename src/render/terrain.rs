@@ -160,7 +160,7 @@ impl TerrainKey {
 pub(super) fn describe(key: TerrainKey) -> PassDescription {
     let filtered = key.filters_heights();
     let mut bindings = vec![uniform_entry::<TerrainUniform>(0)];
-    let mut modules = vec!["frame.wgsl", "heightfield.wgsl"];
+    let mut modules = vec!["frame.wgsl", "heightfield.wgsl", "varyings.wgsl"];
     let mut name = "terrain".to_owned();
     if key.marches() {
         bindings.extend([texture_entry(1, filtered, false), corner_sampler_entry(7)]);
@@ -188,6 +188,7 @@ pub(super) fn describe(key: TerrainKey) -> PassDescription {
         modules,
         defs,
         bindings,
+        casts_rays: key.marches(),
         // The far side of the box: it is there from inside the box, too.
         cull: Some(wgpu::Face::Front),
         ..PassDescription::scene("terrain", "terrain.wgsl", key.output == Output::Probe)
@@ -201,23 +202,28 @@ pub(super) struct TerrainUniform {
     pub(super) box_clip: [[f32; 4]; 8],
     pub(super) size: Vec3,
     pub(super) highest: f32,
-    pub(super) cells: [i32; 2],
+    pub(super) cells: [f32; 2],
     pub(super) cells_per_unit: [f32; 2],
-    pub(super) samples: [f32; 2],
-    pub(super) binary_steps: u32,
-    pub(super) top_level: u32,
-    pub(super) step_cap: u32,
-    pub(super) layer_rise: f32,
+    pub(super) texel_size: [f32; 2],
     pub(super) layer_cells: [f32; 2],
-    pub(super) sun: Vec3,
-    pub(super) ambient: f32,
+    pub(super) pyramid_size: [f32; 2],
+    pub(super) pyramid_texel: [f32; 2],
+    pub(super) samples: [f32; 2],
+    pub(super) top_size: f32,
+    pub(super) layer_rise: f32,
+    pub(super) farthest: f32,
+    pub(super) texel_density: f32,
+    pub(super) binary_steps: u32,
+    pub(super) step_cap: u32,
+    pub(super) heat_map_max: f32,
+    pub(super) repeats: f32,
     pub(super) diffuse: f32,
     pub(super) specular: f32,
+    pub(super) sun: Vec3,
+    pub(super) ambient: f32,
     pub(super) shininess: f32,
-    pub(super) repeats: f32,
-    pub(super) texel_density: f32,
-    pub(super) heat_map_max: f32,
-    pub(super) padding: [f32; 2],
+    /// WGSL rounds the size up to that of a vector.
+    pub(super) rounding: [f32; 3],
 }
 
 impl TerrainUniform {
@@ -236,24 +242,28 @@ impl TerrainUniform {
             box_clip: super::cube::as_f32(box_clip),
             size: extent.as_vec3(),
             highest: ground.highest() * extent.y as f32,
-            cells: cells.map(|side| side as i32),
+            cells: cells.map(|side| side as f32),
             cells_per_unit: [(f64::from(cells[0]) / extent.x) as f32, (f64::from(cells[1]) / extent.z) as f32],
+            texel_size: cells.map(|side| (1.0 / f64::from(side + 1)) as f32),
+            layer_cells: layer_cells.map(|side| side as f32),
+            pyramid_size: ground.pyramid_size().map(|side| side as f32),
+            pyramid_texel: ground.pyramid_texture_size().map(|side| (1.0 / f64::from(side)) as f32),
             samples: [scene.march.samples_min as f32, scene.march.samples_max as f32],
+            top_size: ground.top_size(),
+            layer_rise: rise * extent.y as f32,
+            farthest: box_clip.iter().map(|corner| corner.w).fold(0.0, f64::max) as f32,
+            texel_density: drape.map_or(1.0, |drape| drape.texel_density([extent.x, extent.z]) as f32),
             binary_steps: scene.march.binary_steps,
-            top_level: ground.top_level(),
             // Every node that a ray can cross on every level, going down and up again, twice over.
             step_cap: 8 * (cells[0] + cells[1]) + 256,
-            layer_rise: rise * extent.y as f32,
-            layer_cells: layer_cells.map(|side| side as f32),
-            sun: light.sun_direction().as_vec3(),
-            ambient: light.ambient,
+            heat_map_max: scene.debug.heat_map_max.max(1) as f32,
+            repeats: scene.diffuse.repeats,
             diffuse: light.diffuse,
             specular: light.specular,
+            sun: light.sun_direction().as_vec3(),
+            ambient: light.ambient,
             shininess: light.shininess,
-            repeats: scene.diffuse.repeats,
-            texel_density: drape.map_or(1.0, |drape| drape.texel_density([extent.x, extent.z]) as f32),
-            heat_map_max: scene.debug.heat_map_max.max(1) as f32,
-            padding: [0.0; 2],
+            rounding: [0.0; 3],
         }
     }
 }
@@ -342,7 +352,15 @@ impl TerrainBindings {
     /// The bind group of the beam pass `built`, which shares the uniform; `None` without a pyramid.
     pub(super) fn beam_group(&self, gpu: &Gpu, built: &Built, ground: &Ground) -> Option<wgpu::BindGroup> {
         let pyramid = wgpu::BindingResource::TextureView(ground.pyramid()?);
-        Some(bind(gpu, built, vec![(0, self.buffer.as_entire_binding()), (3, pyramid)]))
+        Some(bind(
+            gpu,
+            built,
+            vec![
+                (0, self.buffer.as_entire_binding()),
+                (3, pyramid),
+                (7, wgpu::BindingResource::Sampler(&self.corner_sampler)),
+            ],
+        ))
     }
 }
 

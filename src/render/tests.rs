@@ -70,21 +70,24 @@ fn rust_and_wgsl_agree_on_every_uniform() {
             highest,
             cells,
             cells_per_unit,
-            samples,
-            binary_steps,
-            top_level,
-            step_cap,
-            layer_rise,
+            texel_size,
             layer_cells,
-            sun,
-            ambient,
+            pyramid_size,
+            pyramid_texel,
+            samples,
+            top_size,
+            layer_rise,
+            farthest,
+            texel_density,
+            binary_steps,
+            step_cap,
+            heat_map_max,
+            repeats,
             diffuse,
             specular,
+            sun,
+            ambient,
             shininess,
-            repeats,
-            texel_density,
-            heat_map_max,
-            padding,
         ]
     );
     let pass = occluder::describe(false);
@@ -95,8 +98,6 @@ fn rust_and_wgsl_agree_on_every_uniform() {
 /// wgpu validates bindings, interfaces and formats of each pipeline on a device that does nothing.
 #[test]
 fn every_reachable_pipeline_builds_and_binds_just_what_its_shader_uses() {
-    let gpu = Gpu::noop();
-    let frame = FrameBindings::new(&gpu);
     let keys = TerrainKey::all();
     assert!(keys.len() > 100, "the list of variants has shrunk to {}", keys.len());
     let mut all: Vec<_> = keys.into_iter().map(PipelineKey::Terrain).collect();
@@ -109,10 +110,15 @@ fn every_reachable_pipeline_builds_and_binds_just_what_its_shader_uses() {
         PipelineKey::Present(wgpu::TextureFormat::Bgra8Unorm),
         PipelineKey::Present(COLOR_FORMAT),
     ]);
-    for key in all {
-        let mut pipelines = Pipelines::new();
-        if let Err(error) = pipelines.get(&gpu, &frame.layout, key) {
-            panic!("{key:?}: {error}");
+    for software in [false, true] {
+        let mut gpu = Gpu::noop();
+        Arc::get_mut(&mut gpu).unwrap().capabilities.software = software;
+        let frame = FrameBindings::new(&gpu);
+        for &key in &all {
+            let mut pipelines = Pipelines::new();
+            if let Err(error) = pipelines.get(&gpu, &frame.layout, key) {
+                panic!("{key:?}, software {software}: {error}");
+            }
         }
     }
 }
@@ -145,6 +151,40 @@ fn what_is_off_is_not_in_the_shader() {
     assert!(!names(&layered).contains("crater_layer"), "without craters there is no layer");
     layered.craters.list.push(layered.craters.brush_at(0.5, 0.5));
     assert!(names(&layered).contains("crater_layer"));
+}
+
+/// Constants reach the fragments as uniforms on a GPU and as varyings in software. This adapter can do both.
+#[test]
+fn constants_arrive_either_way() {
+    let map = crate::heightfield::generate::generate(crate::heightfield::generate::Kind::Ridged, 129, 3);
+    let map = Arc::new(map);
+    let draw = |software| {
+        let mut gpu = Gpu::headless().unwrap();
+        Arc::get_mut(&mut gpu).unwrap().capabilities.software = software;
+        let mut renderer = Renderer::new(Arc::clone(&gpu)).unwrap();
+        renderer.set_terrain(Arc::clone(&map)).unwrap();
+        let target = Target::new(&gpu, [120, 80]);
+        let mut pictures = Vec::new();
+        for technique in Technique::ALL {
+            for layered in [false, true] {
+                let mut scene = Scene::default();
+                scene.march.technique = technique;
+                if layered {
+                    scene.craters.mode = CraterMode::Layered;
+                    scene.craters.list.push(scene.craters.brush_at(0.5, 0.5));
+                }
+                renderer.draw(&scene, &target).unwrap();
+                let flat = renderer.ledger().shader_defs.iter().any(|def| def == "FLAT_CONSTANTS");
+                assert_eq!(flat, software);
+                pictures.push((target.read_color(&gpu).unwrap(), renderer.probe(&scene, [120, 80]).unwrap().steps));
+            }
+        }
+        pictures
+    };
+    let (uniforms, varyings) = (draw(false), draw(true));
+    for (index, (one, other)) in uniforms.iter().zip(&varyings).enumerate() {
+        assert!(one == other, "variant {index} differs");
+    }
 }
 
 /// A device that goes away ends in an error that the window can act on: never in a panic.
