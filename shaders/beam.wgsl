@@ -63,6 +63,8 @@ fn fs_main(in: varyings::Varyings) -> @location(0) vec4f {
     let direction = ray.direction * scale;
     let depth = frame.ray_start + begin;
     let course = course_along(origin.xz, direction.xz);
+    let falling = direction.y < 0.0;
+    let per_height = select(0.0, 1.0 / direction.y, falling);
     // A node of this walk reads those one level up.
     let top = 0.5 * terrain.top_size;
     var walk = start(course, origin.xz, 0.0, top);
@@ -76,16 +78,20 @@ fn fs_main(in: varyings::Varyings) -> @location(0) vec4f {
         if across > walk.size {
             break;
         }
-        let lowest = origin.y + direction.y * select(walk.t, leave, direction.y < 0.0) - reach.y;
-        let blocked = lowest <= height_around(node_of(course, walk), walk.size);
+        let lowest = origin.y + direction.y * select(walk.t, leave, falling) - reach.y;
+        let height = height_around(node_of(course, walk), walk.size);
+        let blocked = lowest <= height;
+        // Falling rays meet nothing here before the lowest of them is as low as the highest ground.
+        let low_enough = lesser(greater((height + reach.y - origin.y) * per_height, walk.t), leave);
         if blocked && (walk.size == 1.0 || 2.0 * across > walk.size) {
+            walk.t = low_enough;
             break;
         }
         if !blocked && leave >= end - begin {
             return vec4f(FOR_EVER, 0.0, 0.0, 0.0);
         }
-        let first = vec2f(walk.t) < reached(course, (walk.wall - 0.5) * walk.size);
-        let within = Walk(walk.t, 0.5 * walk.size, 2.0 * walk.wall - vec2f(first), walk.steps);
+        let first = vec2f(low_enough) < reached(course, (walk.wall - 0.5) * walk.size);
+        let within = Walk(low_enough, 0.5 * walk.size, 2.0 * walk.wall - vec2f(first), walk.steps);
         walk = either(moved_on(walk, through_x, leave, top), within, blocked);
     }
     return vec4f(begin + walk.t, 2.0 * walk.size, 0.0, 0.0);
