@@ -10,6 +10,7 @@
 #import relief::heightfield::terrain
 #import relief::pyramid::{
     Walk, lesser, greater, course_along, start, node_of, node_height, reached, moved_on, either,
+    reciprocal_of_power,
 }
 #import relief::varyings
 
@@ -28,7 +29,7 @@ const MARGIN: f32 = 1e-5;
 fn height_around(node: vec2f, size: f32) -> f32 {
     let double = 2.0 * size;
     let first = floor(0.5 * (node - 1.0));
-    let last = floor((terrain.cells - 1.0) / double);
+    let last = floor((terrain.cells - 1.0) * reciprocal_of_power(double));
     let low = clamp(first, vec2f(0.0), last);
     let high = clamp(first + 1.0, vec2f(0.0), last);
     return greater(
@@ -46,7 +47,7 @@ fn fs_main(in: varyings::Varyings) -> @location(0) vec4f {
     let footprint = 0.5 * BEAM_TILE * (abs(frame.ray_direction_right) + abs(frame.ray_direction_down));
     let margin = MARGIN * max(max(terrain.size.x, terrain.size.z), terrain.size.y);
 
-    // The box, widened by the beam at the box's farthest corner : outside of it no ray of the tile
+    // The box, widened by the beam at the box's farthest corner: outside of it no ray of the tile
     // is in the box.
     let width = footprint * terrain.farthest + margin;
     let faces = slabs(ray, vec3f(-width), vec3f(terrain.size.x, terrain.highest, terrain.size.z) + width);

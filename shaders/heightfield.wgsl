@@ -17,12 +17,14 @@ struct Terrain {
     cells_per_unit: vec2f,
     // Share of the map that a sample takes up along x and z.
     texel_size: vec2f,
-    // Samples of the crater layer along x and z, less one.
-    layer_cells: vec2f,
-    // Nodes of the pyramid's level 1 along x and z, with what pads them so that every level is half the one before.
-    pyramid_size: vec2f,
+    // Where in the pyramid's texture level 2 begins, and how far along it and in which direction levels 2, 3, … reach
+    // that together are twice as long as level 2. In texels.
+    pyramid_place: vec2f,
+    pyramid_stack: vec2f,
     // Share of the pyramid's texture that a node takes up along x and z.
     pyramid_texel: vec2f,
+    // Samples of the crater layer along x and z, less one.
+    layer_cells: vec2f,
     // Uniform steps: fewest and most.
     samples: vec2f,
     // Side in cells of a node of the coarsest level.
@@ -41,10 +43,11 @@ struct Terrain {
     repeats: f32,
     diffuse: f32,
     specular: f32,
+    shininess: f32,
+    padding: f32,
     // Towards the sun.
     sun: vec3f,
     ambient: f32,
-    shininess: f32,
 }
 
 #ifdef FLAT_CONSTANTS

@@ -8,7 +8,7 @@
 
 #import relief::heightfield::{terrain, corner_sampler}
 
-// Level 1 at the origin; the coarser ones beside it, one below the other.
+// Level 1 at the origin; the coarser ones begin at `pyramid_place` and follow one another along `pyramid_stack`.
 @group(1) @binding(3) var pyramid: texture_2d<f32>;
 
 // A ray that is parallel to an axis gets this reciprocal: large, but finite, so that 0 · RECIPROCAL_OF_ZERO is 0.
@@ -23,10 +23,15 @@ fn greater(a: f32, b: f32) -> f32 {
     return select(b, a, a > b);
 }
 
+// Exactly 1 / `power`, a power of two: a division may be rounded, and where it is floored the last bit decides.
+fn reciprocal_of_power(power: f32) -> f32 {
+    return bitcast<f32>(0x7f000000u - bitcast<u32>(power));
+}
+
 // Highest ground of the node (column and row) of `size` cells, at least 2; world units.
 fn node_height(node: vec2f, size: f32) -> f32 {
-    // Rows above the level: those of levels 2, 3, …, each half as many as of the one before.
-    let beside = vec2f(terrain.pyramid_size.x, terrain.pyramid_size.y * (1.0 - 4.0 / size));
+    // Each level is half as long as the one before, so those from level 2 on take up half the stack, then a quarter, ….
+    let beside = terrain.pyramid_place + terrain.pyramid_stack * (1.0 - 4.0 * reciprocal_of_power(size));
     let place = select(vec2f(0.5), beside + 0.5, size > 2.0);
     // Sampled at a texel's centre: a sampler's address costs less than that of a load, which can have any mip.
     let height = textureSampleLevel(pyramid, corner_sampler, (node + place) * terrain.pyramid_texel, 0.0).r;
@@ -73,7 +78,7 @@ fn course_along(origin: vec2f, direction: vec2f) -> Course {
 
 // The walk that starts at `t` in the node of `size` that holds the grid position `p`.
 fn start(course: Course, p: vec2f, t: f32, size: f32) -> Walk {
-    return Walk(t, size, course.sign * (floor(p / size) - course.shift), 0u);
+    return Walk(t, size, course.sign * (floor(p * reciprocal_of_power(size)) - course.shift), 0u);
 }
 
 // Column and row of the walk's node among those of its level.
@@ -95,13 +100,13 @@ fn moved_on(walk: Walk, through_x: bool, leave: f32, top: f32) -> Walk {
     return Walk(leave, select(walk.size, 2.0 * walk.size, up), select(next, ceil(0.5 * next), up), walk.steps);
 }
 
-// One walk or the other. Selections, not branches: where rays are drawn in step, a branch costs both its sides and the
-// switching.
-fn either(second: Walk, first: Walk, which: bool) -> Walk {
+// One of two walks of the same number of steps. Selections, not branches: where rays are drawn in step, a branch costs
+// both its sides and the switching.
+fn either(if_not: Walk, if_so: Walk, condition: bool) -> Walk {
     return Walk(
-        select(second.t, first.t, which),
-        select(second.size, first.size, which),
-        select(second.wall, first.wall, which),
-        first.steps,
+        select(if_not.t, if_so.t, condition),
+        select(if_not.size, if_so.size, condition),
+        select(if_not.wall, if_so.wall, condition),
+        if_so.steps,
     );
 }

@@ -50,7 +50,8 @@ fn vs_main(@builtin(vertex_index) index: u32) -> Varyings {
         }
         default: {}
     }
-    // The outer texels' centres lie on the edges, so that neighbouring faces meet without a seam.
+    // The outer texels' centres lie on the edges, where the generated faces share them. Images from files are stretched
+    // by half a texel for it.
     let inner = 1.0 - 1.0 / vec2f(textureDimensions(sky));
     out.across *= 0.5 * inner.x;
     out.down *= 0.5 * inner.y;

@@ -16,7 +16,8 @@ struct Varyings {
     @location(0) corner: vec3f,
 #endif
 #ifdef FLAT_CONSTANTS
-    @location(0) @interpolate(flat) farthest: f32,
+    // Fifteen places are all that every adapter has.
+    @location(0) @interpolate(flat) stack_and_farthest: vec3f,
     @location(1) @interpolate(flat) origin_and_start: vec4f,
     @location(2) @interpolate(flat) origin_right_and_pixel_size: vec4f,
     @location(3) @interpolate(flat) origin_down_and_texel_density: vec4f,
@@ -26,7 +27,7 @@ struct Varyings {
     @location(7) @interpolate(flat) size_and_highest: vec4f,
     @location(8) @interpolate(flat) cells_and_cells_per_unit: vec4f,
     @location(9) @interpolate(flat) texel_size_and_layer_cells: vec4f,
-    @location(10) @interpolate(flat) pyramid_size_and_texel: vec4f,
+    @location(10) @interpolate(flat) pyramid_place_and_texel: vec4f,
     @location(11) @interpolate(flat) samples_top_size_and_layer_rise: vec4f,
     @location(12) @interpolate(flat) binary_steps_and_step_cap: vec2u,
     @location(13) @interpolate(flat) sun_and_ambient: vec4f,
@@ -50,9 +51,9 @@ fn at(position: vec4f) -> Varyings {
     out.size_and_highest = vec4f(terrain.size, terrain.highest);
     out.cells_and_cells_per_unit = vec4f(terrain.cells, terrain.cells_per_unit);
     out.texel_size_and_layer_cells = vec4f(terrain.texel_size, terrain.layer_cells);
-    out.pyramid_size_and_texel = vec4f(terrain.pyramid_size, terrain.pyramid_texel);
+    out.pyramid_place_and_texel = vec4f(terrain.pyramid_place, terrain.pyramid_texel);
     out.samples_top_size_and_layer_rise = vec4f(terrain.samples, terrain.top_size, terrain.layer_rise);
-    out.farthest = terrain.farthest;
+    out.stack_and_farthest = vec3f(terrain.pyramid_stack, terrain.farthest);
     out.binary_steps_and_step_cap = vec2u(terrain.binary_steps, terrain.step_cap);
     out.sun_and_ambient = vec4f(terrain.sun, terrain.ambient);
     out.light_and_repeats = vec4f(terrain.diffuse, terrain.specular, terrain.shininess, terrain.repeats);
@@ -79,12 +80,13 @@ fn receive(in: Varyings) {
     terrain.cells_per_unit = in.cells_and_cells_per_unit.zw;
     terrain.texel_size = in.texel_size_and_layer_cells.xy;
     terrain.layer_cells = in.texel_size_and_layer_cells.zw;
-    terrain.pyramid_size = in.pyramid_size_and_texel.xy;
-    terrain.pyramid_texel = in.pyramid_size_and_texel.zw;
+    terrain.pyramid_place = in.pyramid_place_and_texel.xy;
+    terrain.pyramid_texel = in.pyramid_place_and_texel.zw;
     terrain.samples = in.samples_top_size_and_layer_rise.xy;
     terrain.top_size = in.samples_top_size_and_layer_rise.z;
     terrain.layer_rise = in.samples_top_size_and_layer_rise.w;
-    terrain.farthest = in.farthest;
+    terrain.pyramid_stack = in.stack_and_farthest.xy;
+    terrain.farthest = in.stack_and_farthest.z;
     terrain.binary_steps = in.binary_steps_and_step_cap.x;
     terrain.step_cap = in.binary_steps_and_step_cap.y;
     terrain.sun = in.sun_and_ambient.xyz;

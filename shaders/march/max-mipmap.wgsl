@@ -45,13 +45,15 @@ fn march(ray: Segment) -> Hit {
     let falling = ray.direction.y < 0.0;
     // Parameter per height; 0 for a ray that does not fall.
     let per_height = select(0.0, (1.0 - SHORT) / ray.direction.y, falling);
-    let shortness = 2.0 * SHORT * abs(ray.origin.y);
+    // The same in height, and more than the rounding of a height on the ray: a ray so little above a node's highest
+    // ground counts as having met it.
+    let slack = 2.0 * SHORT * abs(ray.origin.y);
     let first_cell = clamp(floor(origin + direction * ray.begin), vec2f(0.0), terrain.cells - 1.0);
     var walk = start(course, first_cell, ray.begin, ray.size);
     while walk.steps < terrain.step_cap {
         // Down and across through the pyramid, until the ray may meet a cell. A loop of its own: where many rays walk
         // in step, none of them pays for the cells of the others here. Each turn waits for the height of one node;
-        // all that does not need it is prepared meanwhile, and what does is a comparison with it.
+        // all that does not need it is prepared meanwhile, and what the next turn's node needs is a comparison with it.
         while walk.size > 1.0 {
             walk.steps += 1u;
             let height = node_height(node_of(course, walk), walk.size);
@@ -65,18 +67,21 @@ fn march(ray: Segment) -> Hit {
             if leave >= ray.end || select(walls.y >= course.border.y, walls.x >= course.border.x, through_x) {
                 onward.size = 0.0;
             }
-            // The child that the ray is in at `t`, or when it has fallen to the node's highest ground. One beyond the
+            // The child that the ray is in at `walk.t`, or when it has fallen to the node's highest ground. One beyond the
             // map's border, where rounding can put the end of a ray, is not entered.
             let middle = walls - 0.5 * walk.size;
             let middle_at = reached(course, middle);
             let ahead_of_middle = (vec2f(walk.t) < middle_at) | (middle >= course.border);
             let height_at_middle = select(
                 vec2f(-RECIPROCAL_OF_ZERO),
-                ray.origin.y + ray.direction.y * middle_at - shortness,
+                ray.origin.y + ray.direction.y * middle_at - slack,
                 vec2<bool>(falling) & (middle < course.border),
             );
             let first = ahead_of_middle & (vec2f(height) > height_at_middle);
-            let low_enough = lesser(greater((height - ray.origin.y) * per_height, walk.t), leave);
+            // It does not pass the middle in a child that ends there, or the patch would be met beyond its cell.
+            let stop = select(vec2f(leave), middle_at, first & (middle < course.border));
+            let fallen = lesser((height - ray.origin.y) * per_height, lesser(lesser(stop.x, stop.y), leave));
+            let low_enough = greater(fallen, walk.t);
             let within = Walk(low_enough, 0.5 * walk.size, 2.0 * walk.wall - vec2f(first), walk.steps);
             walk = either(onward, within, lowest <= height);
         }

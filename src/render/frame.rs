@@ -108,7 +108,7 @@ pub(super) fn uniform_entry<T>(binding: u32) -> wgpu::BindGroupLayoutEntry {
     }
 }
 
-/// The layout entry of a texture that fragments read.
+/// The layout entry of a texture.
 pub(super) fn texture_entry(binding: u32, filterable: bool, layers: bool) -> wgpu::BindGroupLayoutEntry {
     wgpu::BindGroupLayoutEntry {
         binding,

@@ -132,11 +132,10 @@ impl Ground {
         (1u32 << self.top_level()) as f32
     }
 
-    /// Columns and rows that the texture keeps for the pyramid's finest level: with what pads them so that every level
-    /// is half the one before.
-    pub(super) fn pyramid_size(&self) -> [u32; 2] {
+    /// How the pyramid's levels lie in their texture.
+    pub(super) fn pyramid_layout(&self) -> PyramidLayout {
         let finest = &self.terrain.pyramid().levels()[0];
-        [finest.width, finest.height].map(|side| padded(side, self.top_level()))
+        PyramidLayout::new([finest.width, finest.height], self.top_level())
     }
 
     /// The highest ground, normalised. With a layer it is not known without reading all of both, so it is the lid.
@@ -155,12 +154,6 @@ impl Ground {
         if self.heights_have_craters { self.terrain.field() } else { self.terrain.base() }
     }
 
-    /// Size of the pyramid's texture: level 1, and beside it room for the others.
-    pub(super) fn pyramid_texture_size(&self) -> [u32; 2] {
-        let [width, height] = self.pyramid_size();
-        [width + if self.top_level() > 1 { width / 2 } else { 0 }, height]
-    }
-
     fn upload_heights(&mut self, gpu: &Gpu) {
         let field = self.resident();
         let all = SampleRect { x: 0, y: 0, width: field.width(), height: field.height() };
@@ -176,7 +169,7 @@ impl Ground {
             if level <= self.top_level() {
                 let data = &levels[level as usize - 1];
                 let rect = SampleRect { x, y, width, height };
-                let place = level_place(self.pyramid_size(), level);
+                let place = self.pyramid_layout().place_of(level);
                 self.uploaded += upload(gpu, &texture.texture, place, &data.data, data.width, rect);
             }
         }
@@ -190,11 +183,11 @@ impl Ground {
             of_base = MaxPyramid::build(self.terrain.base());
             &of_base
         };
-        let (levels, size) = (self.top_level(), self.pyramid_size());
-        let texture = float_texture(gpu, "pyramid", self.pyramid_texture_size());
+        let (levels, layout) = (self.top_level(), self.pyramid_layout());
+        let texture = float_texture(gpu, "pyramid", layout.size());
         for (number, level) in (1..=levels).zip(pyramid.levels()) {
             let all = SampleRect { x: 0, y: 0, width: level.width, height: level.height };
-            let place = level_place(size, number);
+            let place = layout.place_of(number);
             self.uploaded += upload(gpu, &texture.texture, place, &level.data, level.width, all);
         }
         self.pyramid = Some(texture);
@@ -217,15 +210,45 @@ impl Ground {
     }
 }
 
-/// The least side of level 1, not below `side`, that can be halved for each further one of `levels`.
-fn padded(side: u32, levels: u32) -> u32 {
-    side.next_multiple_of(1 << (levels - 1))
+/// Where the levels of a pyramid lie in one texture: level 1 at the origin, and beside its longer side the others, one
+/// after the other along it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PyramidLayout {
+    /// Where level 2 begins; the end of level 1 where there is no level 2.
+    pub(super) place: [u32; 2],
+    /// The longer side of level 1, padded so that it can be halved for each level; 0 along the shorter side.
+    pub(super) stack: [u32; 2],
+    finest: [u32; 2],
+    levels: u32,
 }
 
-/// Where in the pyramid's texture the level with this number lies: level 1 at the origin, the coarser ones beside it,
-/// one below the other. `size` is that of level 1.
-fn level_place(size: [u32; 2], level: u32) -> [u32; 2] {
-    if level == 1 { [0, 0] } else { [size[0], size[1] - (size[1] >> (level - 2))] }
+impl PyramidLayout {
+    /// The layout of so many levels, the finest of which has the size `finest`.
+    fn new(finest: [u32; 2], levels: u32) -> Self {
+        let [width, height] = finest;
+        let padded = |side: u32| side.next_multiple_of(1 << (levels - 1));
+        let (place, stack) =
+            if height >= width { ([width, 0], [0, padded(height)]) } else { ([0, height], [padded(width), 0]) };
+        Self { place, stack, finest, levels }
+    }
+
+    /// Where the level with this number begins.
+    fn place_of(&self, level: u32) -> [u32; 2] {
+        if level == 1 {
+            return [0, 0];
+        }
+        std::array::from_fn(|axis| self.place[axis] + self.stack[axis] - (self.stack[axis] >> (level - 2)))
+    }
+
+    /// Size of the texture.
+    pub(super) fn size(&self) -> [u32; 2] {
+        let coarser = if self.levels > 1 { self.finest.map(|side| side.div_ceil(2)) } else { [0, 0] };
+        std::array::from_fn(
+            |axis| {
+                if self.stack[axis] == 0 { self.finest[axis] + coarser[axis] } else { self.stack[axis] }
+            },
+        )
+    }
 }
 
 fn float_texture(gpu: &Gpu, label: &str, size: [u32; 2]) -> Texture {
@@ -281,23 +304,28 @@ fn upload(gpu: &Gpu, texture: &wgpu::Texture, place: [u32; 2], data: &[f32], str
 mod tests {
     use super::*;
 
-    /// Two levels over one another would let rays through the ground.
+    /// Two levels over one another would let rays through the ground; and the texture is to be little larger than them.
     #[test]
     fn every_level_has_its_own_place() {
-        for sides in [[1, 1], [2, 1], [1, 9], [17, 40], [256, 256], [511, 300], [1500, 2]] {
-            for levels in 1..=8 {
-                let size = sides.map(|side| padded(side, levels));
-                let rect = |level: u32| (level_place(size, level), sides.map(|side| side.div_ceil(1 << (level - 1))));
+        for finest in
+            [[1, 1], [2, 1], [1, 9], [9, 1], [17, 40], [256, 256], [511, 300], [1500, 2], [1, 8192], [8192, 8192]]
+        {
+            let most = (1..).find(|level| finest[0].max(finest[1]) >> (level - 1) <= MOST_TOP_NODES).unwrap_or(1);
+            for levels in 1..=most {
+                let layout = PyramidLayout::new(finest, levels);
+                let rect = |level: u32| (layout.place_of(level), finest.map(|side| side.div_ceil(1 << (level - 1))));
+                let whole = layout.size();
                 for level in 1..=levels {
                     let ([x, y], [width, height]) = rect(level);
-                    let whole = [size[0] + if levels > 1 { size[0] / 2 } else { 0 }, size[1]];
-                    assert!(x + width <= whole[0] && y + height <= whole[1], "{sides:?}, level {level} of {levels}");
+                    assert!(x + width <= whole[0] && y + height <= whole[1], "{finest:?}, level {level} of {levels}");
                     for other in 1..level {
                         let ([left, top], [across, down]) = rect(other);
                         let apart = left + across <= x || x + width <= left || top + down <= y || y + height <= top;
-                        assert!(apart, "{sides:?}: levels {other} and {level} of {levels} overlap");
+                        assert!(apart, "{finest:?}: levels {other} and {level} of {levels} overlap");
                     }
                 }
+                let texels = |[width, height]: [u32; 2]| u64::from(width) * u64::from(height);
+                assert!(texels(whole) <= 2 * texels(finest) + 64, "{finest:?}, {levels} levels: {whole:?}");
             }
         }
     }

@@ -1,7 +1,8 @@
 //! Mip chains of sRGB images, averaged in linear light, and their textures.
 //!
-//! Textures hold square roots of linear light: 8 bits are as good for those as for sRGB, and a shader squares them in one
-//! instruction, where decoding sRGB texel by texel is the dearest part of a lookup in software.
+//! Textures hold square roots of linear light: a shader squares them in one instruction, where decoding sRGB texel by
+//! texel is the dearest part of a lookup in software. The eight bits lie much as those of sRGB do; some dark bytes change
+//! by one. Between texels the roots are interpolated, not the light: edges come out a little darker.
 
 use std::sync::LazyLock;
 
@@ -105,8 +106,12 @@ fn average(finer: &Image, level: &mut Image, rect: SampleRect) {
 /// Copies `rect` of `image` into a mip and layer of `texture`, of [`ROOT_FORMAT`]; returns the bytes copied.
 pub(super) fn upload(gpu: &Gpu, texture: &wgpu::Texture, mip: u32, layer: u32, image: &Image, rect: SampleRect) -> u64 {
     let stride = image.width as usize * 4;
-    let rows = &image.rgba[rect.y as usize * stride..(rect.y + rect.height) as usize * stride];
-    let roots: Vec<u8> = rows.par_iter().with_min_len(1 << 16).map(|&byte| ROOT[usize::from(byte)]).collect();
+    let row_bytes = rect.width as usize * 4;
+    let mut roots = vec![0; row_bytes * rect.height as usize];
+    roots.par_chunks_mut(row_bytes).enumerate().with_min_len(16).for_each(|(row, roots)| {
+        let texels = &image.rgba[(rect.y as usize + row) * stride + rect.x as usize * 4..][..row_bytes];
+        roots.iter_mut().zip(texels).for_each(|(root, &byte)| *root = ROOT[usize::from(byte)]);
+    });
     gpu.queue.write_texture(
         wgpu::TexelCopyTextureInfo {
             texture,
@@ -115,11 +120,7 @@ pub(super) fn upload(gpu: &Gpu, texture: &wgpu::Texture, mip: u32, layer: u32, i
             aspect: wgpu::TextureAspect::All,
         },
         &roots,
-        wgpu::TexelCopyBufferLayout {
-            offset: u64::from(rect.x) * 4,
-            bytes_per_row: Some(stride as u32),
-            rows_per_image: None,
-        },
+        wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row_bytes as u32), rows_per_image: None },
         wgpu::Extent3d { width: rect.width, height: rect.height, depth_or_array_layers: 1 },
     );
     u64::from(rect.width) * u64::from(rect.height) * 4

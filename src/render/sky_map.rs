@@ -20,10 +20,11 @@ pub(super) struct Sky {
     pub(super) flattening: f32,
 }
 
-/// The direction on the unit cube through texel (`x`, `y`) of face `face`: +x, −x, +y, −y, +z, −z.
+/// The direction on the unit cube through the centre of texel (`x`, `y`) of face `face`: +x, −x, +y, −y, +z, −z. The outer
+/// texels' centres lie on the edges: neighbouring faces share them, so that no seam shows.
 fn texel_direction(face: usize, x: u32, y: u32) -> Vec3 {
-    let s = 2.0 * (x as f32 + 0.5) / FACE as f32 - 1.0;
-    let t = 2.0 * (y as f32 + 0.5) / FACE as f32 - 1.0;
+    let s = 2.0 * x as f32 / (FACE - 1) as f32 - 1.0;
+    let t = 2.0 * y as f32 / (FACE - 1) as f32 - 1.0;
     match face {
         0 => Vec3::new(1.0, -t, -s),
         1 => Vec3::new(-1.0, -t, s),

@@ -205,9 +205,10 @@ pub(super) struct TerrainUniform {
     pub(super) cells: [f32; 2],
     pub(super) cells_per_unit: [f32; 2],
     pub(super) texel_size: [f32; 2],
-    pub(super) layer_cells: [f32; 2],
-    pub(super) pyramid_size: [f32; 2],
+    pub(super) pyramid_place: [f32; 2],
+    pub(super) pyramid_stack: [f32; 2],
     pub(super) pyramid_texel: [f32; 2],
+    pub(super) layer_cells: [f32; 2],
     pub(super) samples: [f32; 2],
     pub(super) top_size: f32,
     pub(super) layer_rise: f32,
@@ -219,11 +220,10 @@ pub(super) struct TerrainUniform {
     pub(super) repeats: f32,
     pub(super) diffuse: f32,
     pub(super) specular: f32,
+    pub(super) shininess: f32,
+    pub(super) padding: f32,
     pub(super) sun: Vec3,
     pub(super) ambient: f32,
-    pub(super) shininess: f32,
-    /// WGSL rounds the size up to that of a vector.
-    pub(super) rounding: [f32; 3],
 }
 
 impl TerrainUniform {
@@ -237,7 +237,7 @@ impl TerrainUniform {
         let field = ground.terrain().base();
         let cells = field.cells();
         let (layer_cells, rise) = ground.layer().map_or(([1, 1], 0.0), |(_, cells, rise)| (cells, rise));
-        let light = &scene.lighting;
+        let (light, levels) = (&scene.lighting, ground.pyramid_layout());
         Self {
             box_clip: super::cube::as_f32(box_clip),
             size: extent.as_vec3(),
@@ -245,9 +245,10 @@ impl TerrainUniform {
             cells: cells.map(|side| side as f32),
             cells_per_unit: [(f64::from(cells[0]) / extent.x) as f32, (f64::from(cells[1]) / extent.z) as f32],
             texel_size: cells.map(|side| (1.0 / f64::from(side + 1)) as f32),
+            pyramid_place: levels.place.map(|side| side as f32),
+            pyramid_stack: levels.stack.map(|side| side as f32),
+            pyramid_texel: levels.size().map(|side| (1.0 / f64::from(side)) as f32),
             layer_cells: layer_cells.map(|side| side as f32),
-            pyramid_size: ground.pyramid_size().map(|side| side as f32),
-            pyramid_texel: ground.pyramid_texture_size().map(|side| (1.0 / f64::from(side)) as f32),
             samples: [scene.march.samples_min as f32, scene.march.samples_max as f32],
             top_size: ground.top_size(),
             layer_rise: rise * extent.y as f32,
@@ -260,10 +261,10 @@ impl TerrainUniform {
             repeats: scene.diffuse.repeats,
             diffuse: light.diffuse,
             specular: light.specular,
+            shininess: light.shininess,
+            padding: 0.0,
             sun: light.sun_direction().as_vec3(),
             ambient: light.ambient,
-            shininess: light.shininess,
-            rounding: [0.0; 3],
         }
     }
 }

@@ -71,9 +71,10 @@ fn rust_and_wgsl_agree_on_every_uniform() {
             cells,
             cells_per_unit,
             texel_size,
-            layer_cells,
-            pyramid_size,
+            pyramid_place,
+            pyramid_stack,
             pyramid_texel,
+            layer_cells,
             samples,
             top_size,
             layer_rise,
@@ -85,9 +86,10 @@ fn rust_and_wgsl_agree_on_every_uniform() {
             repeats,
             diffuse,
             specular,
+            shininess,
+            padding,
             sun,
             ambient,
-            shininess,
         ]
     );
     let pass = occluder::describe(false);
