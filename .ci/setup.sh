@@ -64,6 +64,7 @@ missing=() # Debian's packages
 need() { missing+=("$@"); }
 
 has_program cc || need gcc libc6-dev
+has_program c++ || need g++
 has_library libvulkan.so.1 || need libvulkan1
 has_vulkan_driver || need mesa-vulkan-drivers
 # A machine without a display draws to a file and needs no window libraries.
@@ -105,18 +106,19 @@ if [ "${#missing[@]}" -gt 0 ]; then
             "${as_root[@]}" "${install[@]}" >&2 || say "that failed; run: sudo apt-get update && sudo ${install[*]}"
         fi
     elif has_program dnf; then
-        say 'run: sudo dnf install gcc vulkan-loader mesa-vulkan-drivers libX11 libX11-xcb libXcursor libXi libXrandr libxkbcommon libxkbcommon-x11 libwayland-client xorg-x11-server-Xvfb xdotool'
+        say 'run: sudo dnf install gcc gcc-c++ vulkan-loader mesa-vulkan-drivers libX11 libX11-xcb libXcursor libXi libXrandr libxkbcommon libxkbcommon-x11 libwayland-client xorg-x11-server-Xvfb xdotool'
     elif has_program pacman; then
         say 'run: sudo pacman -S --needed base-devel vulkan-icd-loader vulkan-swrast libx11 libxcursor libxi libxrandr libxkbcommon libxkbcommon-x11 wayland xorg-server-xvfb xdotool'
     elif has_program brew; then
         say 'run: brew install gcc vulkan-loader mesa'
     else
-        say "install, with this system's package manager: a C compiler, the Vulkan loader and a driver (Mesa), the X11 client libraries, Xvfb, xdotool"
+        say "install, with this system's package manager: a C and a C++ compiler, the Vulkan loader and a driver (Mesa), the X11 client libraries, Xvfb, xdotool"
     fi
 fi
 
 # Without these nothing can be built; anything else leaves a program that says what it misses.
 has_program cc || { say 'there is still no C compiler (cc), which Rust links with'; exit 1; }
+has_program c++ || { say 'there is still no C++ compiler (c++), which the image error FLIP is built with'; exit 1; }
 has_program cargo || { say 'there is no Rust: see https://rustup.rs'; exit 1; }
 if [ "$purpose" = test ] && ! { has_program Xvfb && has_program xdotool && has_software_driver; }; then
     say 'the tests cannot run without Xvfb, xdotool and a software Vulkan driver'

@@ -7,13 +7,15 @@
 #import relief::beam::BEAM_TILE
 #endif
 #import relief::srgb::from_srgb
-#import relief::heightfield::{terrain, Segment, NO_HIT}
+#import relief::heightfield::{terrain, Segment, Hit, NO_HIT}
 #ifdef FLAT_CONSTANTS
 #import relief::heightfield::terrain_uniform
 #endif
 #import relief::varyings
 #ifndef VIEW_POSITION
+#ifndef GIVEN_DISTANCES
 #import relief::march::march
+#endif
 #endif
 #ifdef SHADED
 #import relief::shading
@@ -25,9 +27,33 @@
 #import relief::heat_map::heat_map
 #endif
 
+#ifdef VIEW_ERROR
+#import relief::heat_map::{error_colour, SEE_THROUGH, COVERS_SKY}
+// Per pixel: the exact distance from the eye to the ground in world units, below zero where there is none.
+@group(1) @binding(13) var exact_distances: texture_2d<f32>;
+#endif
+
 #ifdef BEAM
 // Per tile of pixels: parameter where its rays may start, and the side in cells of the node to start in.
 @group(1) @binding(8) var beams: texture_2d<f32>;
+#endif
+
+#ifdef GIVEN_DISTANCES
+// Per pixel: distance from the eye to the ground in world units, below zero where there is none.
+@group(1) @binding(12) var given_distances: texture_2d<f32>;
+
+// Rounding of a distance, as a share of it and of the box's size.
+const ROUNDING: f32 = 1e-6;
+
+// What a march would have found along a ray of the view depth `begin`, according to the given distances.
+fn given_hit(pixel: vec2f, begin: f32, length_of_direction: f32) -> Hit {
+    let distance = textureLoad(given_distances, vec2i(pixel), 0).r;
+    let depth = distance / length_of_direction;
+    // A hit where the ray comes in is the box's side: it must stay one, whatever rounding did to its distance.
+    let tolerance = ROUNDING * (depth + max(terrain.size.x, terrain.size.z));
+    let at = depth - begin;
+    return Hit(select(select(at, 0.0, at < tolerance), NO_HIT, distance < 0.0), 0u, 0u);
+}
 #endif
 
 @vertex
@@ -109,13 +135,21 @@ fn fs_main(in: varyings::Varyings) -> Fragment {
 #else
     let segment = Segment(origin, direction, span.end - span.begin, verticality);
 #endif
+#ifdef GIVEN_DISTANCES
+    let hit = given_hit(in.position.xy, frame.ray_start + span.begin, length_of_direction);
+    var at = hit.at;
+#else
     let hit = march(segment);
     var at = hit.at;
     if at == NO_HIT && span.to_floor {
         // The floor is nowhere above the ground: only rounding brings a ray to it without a hit.
         at = segment.end;
     }
+#endif
     let missed = at == NO_HIT;
+#ifdef VIEW_ERROR
+    let exact = textureLoad(exact_distances, vec2i(in.position.xy), 0).r;
+#endif
     if missed {
 #ifdef DISCARD_MISSES
 #ifdef PROBE
@@ -125,7 +159,14 @@ fn fs_main(in: varyings::Varyings) -> Fragment {
 #ifdef VIEW_STEPS
         return Fragment(vec4f(heat_map(f32(hit.steps) / terrain.heat_map_max), 1.0), NEAR / 1e30);
 #else
+#ifdef VIEW_ERROR
+        if exact < 0.0 {
+            discard;
+        }
+        return Fragment(vec4f(SEE_THROUGH, 1.0), min(NEAR / max(exact / length_of_direction, NEAR), 1.0));
+#else
         discard;
+#endif
 #endif
 #endif
 #else
@@ -140,6 +181,14 @@ fn fs_main(in: varyings::Varyings) -> Fragment {
 #endif
 #ifdef VIEW_STEPS
     return Fragment(vec4f(heat_map(f32(hit.steps) / terrain.heat_map_max), 1.0), written);
+#endif
+#ifdef VIEW_ERROR
+    if exact < 0.0 {
+        return Fragment(vec4f(COVERS_SKY, 1.0), written);
+    }
+    let error = abs(depth * length_of_direction - exact);
+    let cells = error * max(terrain.cells_per_unit.x, terrain.cells_per_unit.y);
+    return Fragment(vec4f(error_colour(cells), 1.0), written);
 #endif
 #ifdef VIEW_DISTANCE
     let nearness = 1.0 / (1.0 + depth * length_of_direction);

@@ -11,10 +11,11 @@
 //! | [`files`] | writing files whole or not at all |
 //! | [`gpu`] | the device and what it can do, targets and readback, timing, shader composition |
 //! | [`render`] | the [`Renderer`](render::Renderer), one file per pass with the stem of its shader, the ledger |
+//! | [`report`] | error against run time: the figures, the sweep, tables and plots |
 //! | [`app`] | the window: input, panel, overlays. Only here are winit and egui |
 //! | [`cli`] | the commands |
 //!
-//! Imports run one way: `files`, `heightfield`, `scene`, `camera` ← `gpu` ← `render` ← `app` ← `cli`. The library renders
+//! Imports run one way: `files`, `heightfield`, `scene`, `camera` ← `gpu` ← `render` ← `report`, `app` ← `cli`. The library renders
 //! without a window. `shaders/` mirrors [`render`]: one WGSL file per pass, and one per technique under `shaders/march/`.
 //!
 //! # Example
@@ -46,5 +47,6 @@ pub mod files;
 pub mod gpu;
 pub mod heightfield;
 pub mod render;
+pub mod report;
 pub mod scene;
 pub mod scene_file;

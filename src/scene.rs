@@ -9,7 +9,7 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use crate::camera::Camera;
-use crate::heightfield::{Crater, HeightField};
+use crate::heightfield::{ConeKind, Crater, HeightField};
 
 /// Everything that a frame shows.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -22,6 +22,8 @@ pub struct Scene {
     pub camera: Option<Camera>,
     /// How rays meet the height field.
     pub march: MarchSettings,
+    /// A second technique on the right of the picture.
+    pub compare: CompareSettings,
     /// The ground's colour.
     pub diffuse: DiffuseSettings,
     /// The sun and the reflection model.
@@ -58,6 +60,13 @@ pub enum Technique {
     Linear,
     /// Uniform steps, then halvings of the last one (Policarpo, Oliveira, Comba 2005).
     LinearBinary,
+    /// Uniform steps, then the last one solved as a piecewise-linear curve (Tatarchuk 2006; Qu et al. 2003).
+    Secant,
+    /// Steps as long as a cone without ground allows, then halvings (Dummer 2006, made robust).
+    Cone,
+    /// Steps as long as a cone allows whose ground a ray enters only once, then halvings (Policarpo, Oliveira 2007, made
+    /// robust).
+    RelaxedCone,
     /// Exact: maximum mipmap traversal with bilinear leaves (Tevs, Ihrke, Seidel 2008, made exact).
     #[default]
     MaxMipmap,
@@ -65,20 +74,43 @@ pub enum Technique {
 
 impl Technique {
     /// All techniques, in the order of the documentation.
-    pub const ALL: [Self; 3] = [Self::Linear, Self::LinearBinary, Self::MaxMipmap];
+    pub const ALL: [Self; 6] =
+        [Self::Linear, Self::LinearBinary, Self::Secant, Self::Cone, Self::RelaxedCone, Self::MaxMipmap];
 
     /// The name used on the command line, in scene files and as the stem of the shader file.
     pub fn name(self) -> &'static str {
         match self {
             Self::Linear => "linear",
             Self::LinearBinary => "linear-binary",
+            Self::Secant => "secant",
+            Self::Cone => "cone",
+            Self::RelaxedCone => "relaxed-cone",
             Self::MaxMipmap => "max-mipmap",
         }
     }
 
-    /// Whether the technique takes uniform samples, so that sample counts and the filter matter.
+    /// Whether the technique takes uniform samples of the heights, so that their filter matters.
     pub fn samples_uniformly(self) -> bool {
+        matches!(self, Self::Linear | Self::LinearBinary | Self::Secant)
+    }
+
+    /// Whether sample counts matter: they are the uniform steps, or the most steps along cones.
+    pub fn counts_samples(self) -> bool {
         self != Self::MaxMipmap
+    }
+
+    /// Whether it ends with halvings, so that their number matters.
+    pub fn halves(self) -> bool {
+        matches!(self, Self::LinearBinary | Self::Cone | Self::RelaxedCone)
+    }
+
+    /// The cone map that the technique steps along; it is prepared for a terrain before its first frame.
+    pub fn cones(self) -> Option<ConeKind> {
+        match self {
+            Self::Cone => Some(ConeKind::Cone),
+            Self::RelaxedCone => Some(ConeKind::Relaxed),
+            Self::Linear | Self::LinearBinary | Self::Secant | Self::MaxMipmap => None,
+        }
     }
 }
 
@@ -101,15 +133,17 @@ pub enum HeightFilter {
 pub struct MarchSettings {
     /// The technique.
     pub technique: Technique,
-    /// Fewest uniform steps, for a ray that looks straight down (`steps_by_angle`).
+    /// Fewest uniform steps, for a ray that looks straight down (`steps_by_angle`). Techniques along cones take this
+    /// many steps at most.
     pub samples_min: u32,
-    /// Most uniform steps, for a horizontal ray; the number for every ray without `steps_by_angle`.
+    /// Most uniform steps, for a horizontal ray; the number for every ray without `steps_by_angle`. Techniques along
+    /// cones take this many steps at most.
     pub samples_max: u32,
     /// Whether the number of steps depends on the ray's angle to the vertical (section 3.4 of the study).
     pub steps_by_angle: bool,
-    /// Halvings after the first sample below the ground (`linear-binary` only); 0 is off.
+    /// Halvings after the first sample below the ground (`linear-binary`, `cone`, `relaxed-cone`); 0 is off.
     pub binary_steps: u32,
-    /// How heights between samples are read by `linear` and `linear-binary`.
+    /// How heights between samples are read by `linear`, `linear-binary` and `secant`.
     pub filter: HeightFilter,
     /// Start marching at the height of the highest terrain rather than at the lid of the box.
     pub lower_start: bool,
@@ -130,6 +164,25 @@ impl Default for MarchSettings {
             lower_start: true,
             discard_misses: true,
         }
+    }
+}
+
+/// A split picture: the scene's technique on the left of a vertical line, another one on the right. Samples and options
+/// of the march are the same on both sides.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct CompareSettings {
+    /// Whether the picture is split.
+    pub enabled: bool,
+    /// The technique on the right.
+    pub technique: Technique,
+    /// Where the line is, as a share of the width from the left.
+    pub share: f64,
+}
+
+impl Default for CompareSettings {
+    fn default() -> Self {
+        Self { enabled: false, technique: Technique::LinearBinary, share: 0.5 }
     }
 }
 
@@ -259,6 +312,9 @@ pub enum DebugView {
     Position,
     /// Steps per ray as a heat map; the legend says what the colours mean.
     Steps,
+    /// How far each ray's distance is off that of the exact technique, in cells, as a heat map with a logarithmic scale;
+    /// wrong silhouettes in two colours of their own.
+    Error,
     /// The Sobel normal, mapped from [−1, 1] to a colour.
     Normals,
     /// Distance from the eye, grey: near is bright.
@@ -267,7 +323,7 @@ pub enum DebugView {
 
 impl DebugView {
     /// All views, in the order of the panel.
-    pub const ALL: [Self; 5] = [Self::None, Self::Position, Self::Steps, Self::Normals, Self::Distance];
+    pub const ALL: [Self; 6] = [Self::None, Self::Position, Self::Steps, Self::Error, Self::Normals, Self::Distance];
 
     /// The name used on the command line and in scene files.
     pub fn name(self) -> &'static str {
@@ -275,6 +331,7 @@ impl DebugView {
             Self::None => "none",
             Self::Position => "position",
             Self::Steps => "steps",
+            Self::Error => "error",
             Self::Normals => "normals",
             Self::Distance => "distance",
         }

@@ -145,7 +145,7 @@ fn nearest(word: &str, candidates: &[String]) -> Option<String> {
 /// The first field that is not, with its range.
 pub fn validate(scene: &Scene) -> Result<(), OutOfRange> {
     use Bound::{Excluded, Included};
-    let Scene { terrain, camera, march, diffuse, lighting, skybox, occluder, debug, craters } = scene;
+    let Scene { terrain, camera, march, compare, diffuse, lighting, skybox, occluder, debug, craters } = scene;
     if let Some(scale) = terrain.height_scale {
         check("terrain.height_scale", scale, Included(*HEIGHT_SCALES.start()), Included(*HEIGHT_SCALES.end()))?;
     }
@@ -161,6 +161,7 @@ pub fn validate(scene: &Scene) -> Result<(), OutOfRange> {
     check("march.samples_min", march.samples_min, Included(1.0), Included(steps))?;
     check("march.samples_max", march.samples_max, Included(f64::from(march.samples_min)), Included(steps))?;
     check("march.binary_steps", march.binary_steps, Included(0.0), Included(f64::from(MOST_HALVINGS)))?;
+    check("compare.share", compare.share, Included(0.0), Included(1.0))?;
     check("diffuse.repeats", diffuse.repeats, Excluded(0.0), Included(4096.0))?;
     check("lighting.sun_azimuth", lighting.sun_azimuth, Included(-ANGLE), Included(ANGLE))?;
     check("lighting.sun_elevation", lighting.sun_elevation, Included(-90.0), Included(90.0))?;

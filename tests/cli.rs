@@ -436,7 +436,7 @@ fn a_flat_map_is_drawn_with_or_without_an_extent() {
         bench.relief(&format!("render flat.png -o out.png --size 32x20 --view {view}")).expect(0, &[]);
     }
     bench.relief("render flat.png -o sky.png --size 32x20 --eye 0.5,1,0.5 --target 0.5,2,0.5").expect(0, &[]);
-    for technique in ["linear", "linear-binary", "max-mipmap"] {
+    for technique in ["linear", "linear-binary", "secant", "cone", "relaxed-cone", "max-mipmap"] {
         assert!(ground(&format!("--technique {technique}")) > 0.0, "{technique}");
         let picture = |name: &str| image::open(bench.path(name)).unwrap().to_rgb8();
         assert!(picture("out.png") != picture("sky.png"), "{technique} shows the ground");

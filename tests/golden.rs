@@ -78,6 +78,10 @@ fn march_cases(map: &HeightField, start: &Scene) -> Vec<Case> {
         case("linear-binary-few-samples", &over, |scene| few(scene, Technique::LinearBinary, 8)),
         // Without halvings it is `linear`.
         case("linear-few-samples", &over, |scene| few(scene, Technique::LinearBinary, 0)),
+        case("secant-few-samples", &over, |scene| few(scene, Technique::Secant, 8)),
+        // Few enough to show how they err: rims of the canyon fray.
+        case("cone-few-samples", &graze, |scene| few(scene, Technique::Cone, 8)),
+        case("relaxed-cone-few-samples", &graze, |scene| few(scene, Technique::RelaxedCone, 4)),
         case("linear-fixed-steps", &over, |scene| {
             few(scene, Technique::Linear, 0);
             scene.march.steps_by_angle = false;
@@ -92,6 +96,17 @@ fn march_cases(map: &HeightField, start: &Scene) -> Vec<Case> {
         }),
         case("summit-cut-lower-start", &cut, |_| {}),
         case("summit-cut-full-box", &cut, |scene| scene.march.lower_start = false),
+        case("compare", &graze, |scene| {
+            few(scene, Technique::MaxMipmap, 8);
+            scene.compare.enabled = true;
+            scene.compare.technique = Technique::Linear;
+            scene.compare.share = 0.4;
+        }),
+        case("debug-error", &graze, |scene| {
+            few(scene, Technique::LinearBinary, 8);
+            scene.march.samples_max = 64;
+            scene.debug.view = DebugView::Error;
+        }),
         case("misses-kept", start, |scene| scene.march.discard_misses = false),
         case("height-scale", start, |scene| scene.terrain.height_scale = Some(0.25)),
     ]

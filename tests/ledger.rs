@@ -211,9 +211,10 @@ fn what_is_off_has_no_def_and_no_texture() {
     assert!(!has_def(&plain, "DIFFUSE_TEXTURE") && !has_texture(&plain, "diffuse"));
     let bare = cheaper(&|scene| scene.skybox.enabled = false);
     assert!(!has_texture(&bare, "sky") && bare.passes == ["beam", "terrain"]);
-    for technique in [Technique::Linear, Technique::LinearBinary] {
+    for technique in [Technique::Linear, Technique::LinearBinary, Technique::Secant] {
         let sampled = cheaper(&|scene| scene.march.technique = technique);
-        assert!(!has_texture(&sampled, "pyramid") && !has_texture(&sampled, "beam"), "{technique:?}");
+        let built = ["pyramid", "beam", "cones"].map(|name| has_texture(&sampled, name));
+        assert_eq!(built, [false; 3], "{technique:?}");
         assert_eq!(sampled.passes, ["terrain", "skybox"], "{technique:?}");
     }
     let position = cheaper(&|scene| scene.debug.view = DebugView::Position);
@@ -223,6 +224,39 @@ fn what_is_off_has_no_def_and_no_texture() {
     );
     let steps = cheaper(&|scene| scene.debug.view = DebugView::Steps);
     assert!(!has_def(&steps, "LIGHTING") && !has_texture(&steps, "diffuse"));
+}
+
+/// Cones are in memory while a technique steps along them, and found once for a ground.
+#[test]
+fn cones_are_there_while_they_are_stepped_along() {
+    let mut renderer = renderer(&canyon());
+    let mut scene = start();
+    let heights = canyon();
+    let cells = u64::from(heights.cells()[0]) * u64::from(heights.cells()[1]);
+    for (technique, bytes) in [(Technique::Cone, 4 * cells), (Technique::RelaxedCone, 8 * cells)] {
+        scene.march.technique = technique;
+        let first = frame(&mut renderer, &scene);
+        let cones = first.textures.iter().find(|texture| texture.name == "cones").unwrap();
+        assert_eq!(cones.bytes, bytes, "{technique:?}");
+        assert!(!has_texture(&first, "pyramid") && !has_texture(&first, "beam"), "{technique:?}");
+        assert!(first.uploaded_bytes >= bytes);
+        assert_eq!(frame(&mut renderer, &scene).uploaded_bytes, 0, "{technique:?}: they are kept");
+    }
+    scene.march.technique = Technique::Linear;
+    assert!(!has_texture(&frame(&mut renderer, &scene), "cones"));
+    // Prepared before a frame, they are not sought in it.
+    scene.march.technique = Technique::Cone;
+    scene.craters.list = craters(&canyon());
+    let heard = std::sync::atomic::AtomicU32::new(0);
+    let count = |_: f32| {
+        heard.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+    };
+    renderer.prepare_cones(&scene, &count);
+    let rows = heard.load(std::sync::atomic::Ordering::Relaxed);
+    assert_eq!(rows, heights.cells()[1], "a report for each row");
+    renderer.prepare_cones(&scene, &count);
+    assert_eq!(heard.load(std::sync::atomic::Ordering::Relaxed), rows, "they are there already");
+    assert!(has_texture(&frame(&mut renderer, &scene), "cones"));
 }
 
 /// What was on and is off again leaves no texture behind.
@@ -257,4 +291,64 @@ fn pipelines_are_built_on_first_use_and_kept() {
     lit.terrain.height_scale = Some(0.3);
     lit.craters.list = vec![Crater { x: 0.5, z: 0.5, radius: 0.1, depth: 0.1, rim: 0.0 }];
     assert_eq!(frame(&mut renderer, &lit).pipelines.len(), 4);
+}
+
+/// The exact distances that the error view compares with cost a pass and a texture, and only that view has them.
+#[test]
+fn the_error_view_pays_for_its_exact_distances_and_nothing_else_does() {
+    let mut renderer = renderer(&canyon());
+    let mut scene = start();
+    scene.march.technique = Technique::LinearBinary;
+    let off = frame(&mut renderer, &scene);
+    assert_eq!(off.passes, ["terrain", "skybox"]);
+    scene.debug.view = DebugView::Error;
+    let on = frame(&mut renderer, &scene);
+    print("error view", &on);
+    assert_eq!(on.passes, ["beam", "exact", "terrain"]);
+    assert_eq!(on.draws, 3);
+    assert_eq!(textures(&on), ["heights", "pyramid", "beam", "exact", "picture", "depth"]);
+    assert!(has_def(&on, "VIEW_ERROR") && !has_def(&on, "BEAM"));
+    let size = (SIZE[0] * SIZE[1]) as usize;
+    renderer.set_reference(SIZE, Some(&vec![f32::INFINITY; size])).unwrap();
+    let given = frame(&mut renderer, &scene);
+    print("error view against given distances", &given);
+    assert_eq!(given.passes, ["terrain"], "given distances need not be found");
+    assert_eq!(textures(&given), ["heights", "reference", "picture", "depth"]);
+    assert!(renderer.shows_reference());
+    renderer.set_reference(SIZE, None).unwrap();
+    assert_eq!(frame(&mut renderer, &scene).passes, on.passes);
+    renderer.set_reference(SIZE, Some(&vec![1.0; size])).unwrap();
+    scene.debug.view = DebugView::None;
+    let again = frame(&mut renderer, &scene);
+    assert_eq!((again.passes, textures(&off)), (off.passes.clone(), again.textures.iter().map(|t| &*t.name).collect()));
+    assert!(renderer.set_reference(SIZE, Some(&[1.0])).is_err(), "one distance per pixel");
+}
+
+/// Two techniques cost two draws; beams are cast only where a side starts from them.
+#[test]
+fn a_comparison_costs_a_draw_and_only_while_it_shows() {
+    let mut renderer = renderer(&canyon());
+    let mut scene = start();
+    let off = frame(&mut renderer, &scene);
+    assert!(!off.passes.contains(&"compare".to_owned()));
+    scene.compare.enabled = true;
+    scene.compare.technique = Technique::Linear;
+    let on = frame(&mut renderer, &scene);
+    print("compared", &on);
+    assert_eq!(on.passes, ["beam", "terrain", "compare", "skybox"]);
+    assert_eq!((on.draws, textures(&on)), (off.draws + 1, textures(&off)), "no texture of its own");
+    scene.march.technique = Technique::LinearBinary;
+    let sampled = frame(&mut renderer, &scene);
+    assert_eq!(sampled.passes, ["terrain", "compare", "skybox"], "neither side starts from beams");
+    assert!(!has_texture(&sampled, "pyramid") && !has_texture(&sampled, "beam"));
+    scene.march.technique = Technique::MaxMipmap;
+    scene.compare.share = 0.0;
+    let right = frame(&mut renderer, &scene);
+    assert_eq!(right.passes, ["compare", "skybox"], "a side without pixels is not drawn");
+    assert!(!has_texture(&right, "pyramid"));
+    scene.compare.share = 1.0;
+    assert_eq!(frame(&mut renderer, &scene).passes, off.passes);
+    scene.compare.share = 0.5;
+    scene.compare.technique = scene.march.technique;
+    assert_eq!(frame(&mut renderer, &scene).passes, off.passes, "a technique is not compared with itself");
 }

@@ -12,7 +12,7 @@ use image::{Rgb, RgbImage, RgbaImage};
 use relief::camera::NamedView;
 use relief::heightfield::reference::Surface;
 use relief::heightfield::{Crater, EditedTerrain, HeightField};
-use relief::render::{Probe, Renderer};
+use relief::render::{COVERS_SKY, Probe, Renderer, SEE_THROUGH, SKY_BOTH, error_colour, heat_map_colour};
 use relief::scene::{CraterMode, DebugView, HeightFilter, Scene, Technique};
 
 /// A scene before and after a change: pictures, distances, and which pixels differ.
@@ -511,4 +511,77 @@ fn the_same_scene_gives_the_same_bytes() {
         assert!(probe(&mut first, &scene).distance == distances);
         assert!(picture(&mut first, &scene) == expected, "{technique:?}: after a probe");
     }
+}
+
+/// On the left of the line is the one technique and on the right the other, to the pixel and wherever the line is.
+#[test]
+fn a_comparison_changes_the_right_part_only() {
+    for (share, left, right) in [
+        (0.4, Technique::MaxMipmap, Technique::Linear),
+        (0.63, Technique::Linear, Technique::MaxMipmap),
+        (0.013, Technique::LinearBinary, Technique::MaxMipmap),
+    ] {
+        let change = Change::of(&sampled(left), |scene| {
+            scene.compare.enabled = true;
+            scene.compare.technique = right;
+            scene.compare.share = share;
+        });
+        let line = (share * f64::from(SIZE[0])).round() as usize;
+        let width = SIZE[0] as usize;
+        let on_the_right = |index: usize| index % width >= line;
+        assert!(
+            (0..change.changed.len()).all(|index| on_the_right(index) || !change.changed[index]),
+            "the left changed"
+        );
+        assert!(
+            count(&change.changed) as f64 / change.changed.len() as f64 > 0.05,
+            "{left:?} and {right:?} look alike"
+        );
+        let mut renderer = renderer(&canyon());
+        let (alone, probed) = (picture(&mut renderer, &sampled(right)), probe(&mut renderer, &sampled(right)));
+        for (index, (after, alone)) in change.after.pixels().zip(alone.pixels()).enumerate() {
+            assert!(!on_the_right(index) || after == alone, "pixel {index} is not that of {right:?}");
+            let distances = (change.probe_after.distance[index], probed.distance[index]);
+            assert!(!on_the_right(index) || distances.0 == distances.1, "a probe shows both sides, too");
+        }
+    }
+}
+
+/// Each pixel of the error view has the colour of its own error against the exact technique's distance.
+#[test]
+fn the_error_view_shows_each_pixels_own_error() {
+    let map = canyon();
+    let mut scene = sampled(Technique::LinearBinary);
+    let mut renderer = renderer(&map);
+    let technique = probe(&mut renderer, &scene).distance;
+    scene.march.technique = Technique::MaxMipmap;
+    let exact = probe(&mut renderer, &scene).distance;
+    scene.march.technique = Technique::LinearBinary;
+    scene.debug.view = DebugView::Error;
+    let shown = picture(&mut renderer, &scene);
+    renderer.set_reference(SIZE, Some(&exact)).unwrap();
+    assert!(shown == picture(&mut renderer, &scene), "distances that were found and the same ones given");
+    let cells_per_unit = f64::from(map.cells()[0].max(map.cells()[1]));
+    let mut seen = [0; 4];
+    for (pixel, (&found, &exact)) in shown.pixels().zip(technique.iter().zip(&exact)) {
+        let (kind, wanted) = match (found.is_finite(), exact.is_finite()) {
+            (false, false) => (0, SKY_BOTH),
+            (false, true) => (1, SEE_THROUGH),
+            (true, false) => (2, COVERS_SKY),
+            (true, true) => (3, error_colour(f64::from(found - exact).abs() * cells_per_unit)),
+        };
+        seen[kind] += 1;
+        // The difference of two distances has few digits left where it is small.
+        let tolerance = if kind == 3 { 16 } else { 1 };
+        let off = (0..3).map(|channel| pixel.0[channel].abs_diff(wanted[channel])).max().unwrap();
+        assert!(off <= tolerance, "{pixel:?} and not {wanted:?}: {found} against {exact}");
+    }
+    println!("sky, see-through, covers sky, ground: {seen:?}");
+    assert!(seen[0] > 1000 && seen[1] > 10 && seen[3] > 10_000, "{seen:?}");
+    // The exact technique has no error against itself.
+    scene.march.technique = Technique::MaxMipmap;
+    renderer.set_reference(SIZE, None).unwrap();
+    let black = picture(&mut renderer, &scene);
+    let flat = [heat_map_colour(0.0), SKY_BOTH];
+    assert!(black.pixels().all(|pixel| flat.iter().any(|colour| pixel.0[..3] == colour[..])), "an error of nothing");
 }

@@ -1,7 +1,8 @@
 //! The GPU against its twin on the CPU, pixel by pixel.
 //!
-//! `max-mipmap` is measured against the f64 reference of the library; `linear` and `linear-binary`, which are wrong on
-//! purpose, against the same sampling written down here in f64. `cargo test --test twin -- --nocapture` prints the
+//! `max-mipmap` is measured against the f64 reference of the library; `linear`, `linear-binary` and `secant`, which are
+//! wrong on purpose, against the same sampling written down here in f64; `cone` and `relaxed-cone` by how their errors
+//! against the reference fall. `cargo test --test twin -- --nocapture` prints the
 //! figures.
 #![expect(clippy::unwrap_used, clippy::panic, reason = "a test may fail loudly")]
 
@@ -361,7 +362,7 @@ fn a_flat_map_is_a_floor() {
     }
 }
 
-/// The uniform sampling of the two classic techniques, as their papers describe it, in f64.
+/// The uniform sampling of the three classic techniques, as their papers describe it, in f64.
 struct Sampling<'a> {
     field: &'a HeightField,
     extent: DVec3,
@@ -413,10 +414,11 @@ impl Sampling<'_> {
             self.march.samples_max.max(1)
         };
         let step = (span.y - span.x) / f64::from(count);
-        let below = |distance: f64| {
+        let height_at = |distance: f64| {
             let position = ray.origin + direction * distance;
-            position.y <= self.height(position)
+            position.y - self.height(position)
         };
+        let below = |distance: f64| height_at(distance) <= 0.0;
         let first = (0..=count).find(|&index| below(span.x + step * f64::from(index)));
         let distance = first.map(|index| {
             let mut under = span.x + step * f64::from(index);
@@ -430,6 +432,10 @@ impl Sampling<'_> {
                     over = middle;
                 }
             }
+            if self.march.technique == Technique::Secant && index > 0 {
+                let (above, here) = (height_at(over), height_at(under));
+                return over + step * above / (above - here);
+            }
             under
         });
         Some(Sampled { distance, step, count })
@@ -441,7 +447,7 @@ fn the_sampling_techniques_sample_as_described() {
     let map = canyon();
     let extent = map.box_size(None);
     let mut renderer = renderer(&map);
-    let [linear, binary] = [Technique::Linear, Technique::LinearBinary]
+    let [linear, binary, secant] = [Technique::Linear, Technique::LinearBinary, Technique::Secant]
         .map(|technique| MarchSettings { technique, ..MarchSettings::default() });
     // Without its summit the map does not fill its box, and the lowered start shows.
     let summit = crater_on_the_summit(&map);
@@ -460,6 +466,10 @@ fn the_sampling_techniques_sample_as_described() {
         ("linear-binary, 3 halvings", MarchSettings { binary_steps: 3, ..binary.clone() }),
         ("linear-binary, nearest", MarchSettings { filter: HeightFilter::Nearest, ..binary.clone() }),
         ("linear-binary, hardware", MarchSettings { filter: HeightFilter::HardwareLinear, ..binary }),
+        ("secant", secant.clone()),
+        ("secant, few", MarchSettings { samples_min: 8, samples_max: 24, ..secant.clone() }),
+        ("secant, fixed", MarchSettings { steps_by_angle: false, ..secant.clone() }),
+        ("secant, nearest", MarchSettings { filter: HeightFilter::Nearest, ..secant }),
     ];
     for (name, march) in cases {
         // The sampler's weights have 8 bits: near the surface it may decide for the sample before or after.
@@ -492,5 +502,113 @@ fn the_sampling_techniques_sample_as_described() {
             );
             assert!(same as f64 >= agreeing * pixels as f64, "{name} {}: only {same} of {pixels}", view.name());
         }
+    }
+}
+
+const ALONG_CONES: [Technique; 2] = [Technique::Cone, Technique::RelaxedCone];
+
+/// `scene` with a technique and a fixed number of samples.
+fn sampled(technique: Technique, samples: u32, scene: &Scene) -> Scene {
+    let mut scene = scene.clone();
+    scene.march.technique = technique;
+    (scene.march.samples_min, scene.march.samples_max) = (samples, samples);
+    scene
+}
+
+#[test]
+fn techniques_along_cones_err_less_the_more_steps_they_may_take() {
+    for (map_name, map) in maps() {
+        let mut renderer = renderer(&map);
+        for technique in ALONG_CONES {
+            for view in NamedView::MEASURED {
+                let scene = scene_at(view, &map);
+                let mut measured = |technique: Technique, samples: u32| {
+                    let scene = sampled(technique, samples, &scene);
+                    let comparison = Comparison::of(&mut renderer, &scene, &map, common::SIZE);
+                    comparison.print(&format!("{map_name} {} {} {samples}", view.name(), technique.name()));
+                    comparison
+                };
+                let [few, some, many] = [16, 128, 1024].map(|samples| measured(technique, samples));
+                let name = format!("{map_name} {} {}", view.name(), technique.name());
+                assert!(many.hits > 0, "{name}: nothing was compared");
+                for comparison in [&few, &some, &many] {
+                    // Only a step into the ground ends a ray.
+                    assert_eq!((comparison.invented, comparison.cap_hits), (0, 0), "{name}");
+                }
+                assert!(few.missed >= some.missed && some.missed >= many.missed, "{name}: ground missed");
+                assert!(1000 * many.missed <= many.hits, "{name}: {} of {} missed", many.missed, many.hits);
+                for share in [0.5, 0.99] {
+                    let [few, some, many] = [&few, &some, &many].map(|comparison| comparison.quantile(share));
+                    assert!(few > some && some >= many, "{name}: {few}, {some}, {many} cells at {share}");
+                }
+                assert!(many.quantile(0.99) < 0.05, "{name}: p99 {} cells", many.quantile(0.99));
+                // What the cones are for: steps are saved where nothing is.
+                let mut steps = |technique| {
+                    let probe = renderer.probe(&sampled(technique, 1024, &scene), common::SIZE).unwrap();
+                    probe.steps.iter().map(|&steps| u64::from(steps)).sum::<u64>()
+                };
+                let (along, uniform) = (steps(technique), steps(Technique::LinearBinary));
+                assert!(4 * along < uniform, "{name}: {along} steps, uniformly {uniform}");
+            }
+        }
+    }
+}
+
+#[test]
+fn on_a_smooth_map_few_pixels_are_wrong_along_cones() {
+    let wave = |index: u32| (f64::from(index % 256) * 0.05).sin() * (f64::from(index / 256) * 0.04).cos();
+    let raw: Vec<f64> = (0..256 * 256).map(wave).collect();
+    let map = Arc::new(HeightField::from_raw(256, 256, &raw).unwrap());
+    let mut renderer = renderer(&map);
+    for (technique, view) in ALONG_CONES.into_iter().flat_map(|technique| NamedView::MEASURED.map(|v| (technique, v))) {
+        let scene = sampled(technique, 256, &scene_at(view, &map));
+        let comparison = Comparison::of(&mut renderer, &scene, &map, common::SIZE);
+        let name = format!("smooth {} {}", view.name(), technique.name());
+        comparison.print(&name);
+        assert!(comparison.hits > 0 && comparison.invented == 0, "{name}");
+        assert!(2000 * comparison.missed <= comparison.hits, "{name}: {} missed", comparison.missed);
+        // The last step along relaxed cones is as long as the cone, here up to a third of the map; 8 halvings of it are left.
+        let most = if technique == Technique::Cone { 0.01 } else { 0.3 };
+        assert!(comparison.quantile(0.99) < most, "{name}: p99 {} cells", comparison.quantile(0.99));
+    }
+}
+
+/// A crater changes cones everywhere: with those of the ground before it rays would fly through its rim, or creep.
+#[test]
+fn cones_follow_the_craters() {
+    let map = canyon();
+    let list = craters(&map);
+    for (technique, mode) in
+        ALONG_CONES.into_iter().flat_map(|technique| [CraterMode::Baked, CraterMode::Layered].map(|m| (technique, m)))
+    {
+        let mut renderer = renderer(&map);
+        let mut scene = sampled(technique, 512, &scene_at(NamedView::Graze, &map));
+        scene.craters.mode = mode;
+        renderer.probe(&scene, common::SIZE).unwrap();
+        for count in [1, list.len(), 0, 2] {
+            scene.craters.list = list[..count].to_vec();
+            let edited = renderer.probe(&scene, common::SIZE).unwrap();
+            let mut fresh = Renderer::new(common::gpu()).unwrap();
+            fresh.set_terrain(Arc::clone(&map)).unwrap();
+            let fresh = fresh.probe(&scene, common::SIZE).unwrap();
+            assert!(
+                edited.distance == fresh.distance && edited.steps == fresh.steps,
+                "{technique:?}, {mode:?}, {count}"
+            );
+        }
+        let displaced = match mode {
+            CraterMode::Layered => {
+                CraterLayer::rasterise(&scene.craters.list, &map, scene.craters.layer_resolution).apply_to(&map)
+            }
+            CraterMode::Baked => {
+                let mut edited = EditedTerrain::new(Arc::clone(&map));
+                edited.set_craters(&scene.craters.list);
+                edited.field().clone()
+            }
+        };
+        let comparison = Comparison::of(&mut renderer, &scene, &displaced, common::SIZE);
+        comparison.print(&format!("{technique:?} {mode:?}"));
+        assert!(comparison.invented == 0 && 1000 * comparison.missed <= comparison.hits);
+        assert!(comparison.quantile(0.95) < 0.05, "{technique:?} {mode:?}: {}", comparison.quantile(0.95));
     }
 }

@@ -6,6 +6,8 @@
 #[path = "window/harness.rs"]
 mod harness;
 
+#[path = "window/compare.rs"]
+mod compare;
 #[path = "window/craters.rs"]
 mod craters;
 #[path = "window/flying.rs"]

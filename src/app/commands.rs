@@ -10,10 +10,11 @@ use super::screenshot;
 use super::settings::Command;
 use super::viewer::Viewer;
 use super::window::UserEvent;
+use crate::gpu::Target;
 
 impl Viewer {
     /// Does what the panel or a key asked for.
-    pub(super) fn execute(&mut self, command: Command) {
+    pub(super) fn execute(&mut self, graphics: &Graphics, command: Command) {
         self.redraw.invalidate();
         match command {
             Command::Open(path) => self.open(path),
@@ -22,6 +23,11 @@ impl Viewer {
                 self.scene.craters.list.pop();
             }
             Command::ClearCraters => self.scene.craters.list.clear(),
+            Command::MeasureTradeoff => {
+                let target = Target::new(&graphics.gpu, graphics.target.size());
+                self.tradeoff.start(&self.scene, target);
+            }
+            Command::ForgetTradeoff => self.tradeoff.forget(),
             Command::Screenshot => self.wants_screenshot = true,
             Command::FullScreen => {
                 let full = self.window.fullscreen().is_none().then_some(Fullscreen::Borderless(None));

@@ -33,12 +33,13 @@ const TURN_PER_PIXEL: f64 = 0.0018;
 const LONGEST_STEP: Duration = Duration::from_millis(250);
 
 /// What the help page lists: keys, and what they do.
-pub(crate) const BINDINGS: [(&str, &str); 21] = [
+pub(crate) const BINDINGS: [(&str, &str); 22] = [
     ("W A S D", "fly forward, left, back, right"),
     ("E / Q", "fly up / down"),
     ("Shift / Alt", "four times as fast / a quarter as fast"),
     ("Wheel", "base speed"),
     ("Right drag", "look around"),
+    ("Drag the split line", "how much of the picture each of two compared techniques draws"),
     ("F", "capture the mouse to look around; Esc releases it"),
     ("Home", "frame the terrain (start view)"),
     ("C", "make a crater under the cursor, or under the crosshair while the mouse is captured"),

@@ -48,7 +48,7 @@ impl Viewer {
         self.facts.ledger = graphics.renderer.ledger().clone();
         let (ui, commands) = self.run_egui(graphics, event_loop, now);
         for command in commands {
-            self.execute(command);
+            self.execute(graphics, command);
         }
         self.settle_eye(graphics);
         self.draw_scene(graphics, now)?;
@@ -160,6 +160,7 @@ impl Viewer {
                 view: &mut self.view,
                 speed: &mut self.fly.speed,
                 facts: &self.facts,
+                tradeoff: &self.tradeoff,
                 commands,
             };
             panel::show(ui, &mut panel);
@@ -169,8 +170,13 @@ impl Viewer {
         if self.view.overlay {
             overlay::statistics(ui, &self.meter.times, self.steps(), &self.facts.ledger, timestamps);
         }
-        if self.scene.debug.view == DebugView::Steps {
-            overlay::legend(&ctx, self.free, self.scene.debug.heat_map_max);
+        overlay::split(ui, &self.scene, self.pointer.splitting);
+        match self.scene.debug.view {
+            DebugView::Steps => overlay::legend(&ctx, self.free, self.scene.debug.heat_map_max),
+            DebugView::Error => {
+                overlay::error_legend(&ctx, self.free, self.shows_reference, self.awaits_reference());
+            }
+            _ => {}
         }
         if self.pointer.captured {
             overlay::crosshair(&ctx);
@@ -201,8 +207,14 @@ impl Viewer {
         if self.drawn.as_ref() == Some(&visible) {
             return Ok(());
         }
+        self.drop_stale_reference(graphics);
         match graphics.renderer.draw(&self.scene, &graphics.target) {
             Ok(()) => {
+                let shows_reference = graphics.renderer.shows_reference();
+                if std::mem::replace(&mut self.shows_reference, shows_reference) != shows_reference {
+                    // The legend on screen says the other.
+                    self.redraw.invalidate();
+                }
                 self.drawn = Some(visible);
                 self.last_good = Some(self.scene.clone());
                 self.occluder_seen = graphics.renderer.ledger().passes.iter().any(|pass| pass == "occluder");

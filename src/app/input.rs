@@ -10,9 +10,9 @@ use winit::window::CursorGrabMode;
 
 use super::controls::{Direction, Shortcut, look};
 use super::graphics::Graphics;
-use super::picking;
 use super::settings::Command;
 use super::viewer::Viewer;
+use super::{overlay, picking};
 use crate::camera::NamedView;
 
 /// How long a hint stays.
@@ -42,7 +42,7 @@ impl Viewer {
             WindowEvent::Resized(_) | WindowEvent::ScaleFactorChanged { .. } => self.hidden = false,
             WindowEvent::Focused(false) => {
                 self.fly.release_all();
-                self.pointer.dragging = false;
+                (self.pointer.dragging, self.pointer.splitting) = (false, false);
                 self.capture(false);
             }
             WindowEvent::ModifiersChanged(modifiers) => {
@@ -51,7 +51,7 @@ impl Viewer {
             }
             WindowEvent::KeyboardInput { event, is_synthetic, .. } => self.key(graphics, event, *is_synthetic, now),
             WindowEvent::CursorMoved { position, .. } => self.cursor_moved(*position),
-            WindowEvent::CursorLeft { .. } if !self.pointer.dragging => {
+            WindowEvent::CursorLeft { .. } if !self.pointer.dragging && !self.pointer.splitting => {
                 (self.pointer.cursor, self.pointer.over_egui) = (None, false);
             }
             WindowEvent::MouseInput { state, button, .. } => self.mouse_button(*state, *button),
@@ -63,7 +63,7 @@ impl Viewer {
                 self.fly.scroll(notches);
                 self.show_hint(format!("Speed {:.3} map widths per second", self.fly.speed), now);
             }
-            WindowEvent::DroppedFile(path) => self.execute(Command::Open(path.clone())),
+            WindowEvent::DroppedFile(path) => self.execute(graphics, Command::Open(path.clone())),
             _ => {}
         }
     }
@@ -98,8 +98,14 @@ impl Viewer {
             self.turn(cursor - before.unwrap_or(cursor));
             return;
         }
-        // Over the picture nothing lights up under the cursor, so nothing needs to be drawn.
-        let over_egui = !self.cursor_is_free();
+        if self.pointer.splitting {
+            let width = f64::from(self.window.inner_size().width).max(1.0);
+            self.scene.compare.share = (cursor.x / width).clamp(0.0, 1.0);
+            self.redraw.invalidate();
+            return;
+        }
+        // Over the picture nothing but the split line lights up under the cursor, so nothing else needs to be drawn.
+        let over_egui = !self.cursor_is_free() || self.is_on_split_line(cursor);
         if over_egui || std::mem::replace(&mut self.pointer.over_egui, over_egui) {
             self.redraw.invalidate();
         }
@@ -116,11 +122,21 @@ impl Viewer {
         self.free.contains(position) && !covered && !ctx.egui_is_using_pointer()
     }
 
+    /// Whether a place of the window, physical pixels, is where the split line can be taken hold of.
+    fn is_on_split_line(&self, cursor: DVec2) -> bool {
+        let scale = f64::from(egui_winit::pixels_per_point(self.egui.egui_ctx(), &self.window));
+        let line = self.scene.compare.share * f64::from(self.window.inner_size().width);
+        overlay::is_split(&self.scene) && (cursor.x - line).abs() <= f64::from(overlay::SPLIT_REACH) * scale
+    }
+
     fn mouse_button(&mut self, state: ElementState, button: MouseButton) {
         if state == ElementState::Released {
             self.pointer.dragging &= button != MouseButton::Right;
+            self.pointer.splitting &= button != MouseButton::Left;
         } else if !self.pointer.captured && self.cursor_is_free() {
             self.pointer.dragging |= button == MouseButton::Right;
+            let on_line = self.pointer.cursor.is_some_and(|cursor| self.is_on_split_line(cursor));
+            self.pointer.splitting |= button == MouseButton::Left && on_line;
             // A click on the picture ends typing in the panel.
             self.egui.egui_ctx().memory_mut(|memory| {
                 if let Some(id) = memory.focused() {
@@ -167,15 +183,15 @@ impl Viewer {
             Shortcut::Escape => {
                 self.toasts.dismiss_errors();
             }
-            Shortcut::FrameTerrain => self.execute(Command::View(NamedView::Start)),
+            Shortcut::FrameTerrain => self.execute(graphics, Command::View(NamedView::Start)),
             Shortcut::Crater => self.crater(graphics, now),
-            Shortcut::UndoCrater => self.execute(Command::UndoCrater),
-            Shortcut::ClearCraters => self.execute(Command::ClearCraters),
+            Shortcut::UndoCrater => self.execute(graphics, Command::UndoCrater),
+            Shortcut::ClearCraters => self.execute(graphics, Command::ClearCraters),
             Shortcut::Help => self.view.help = !self.view.help,
             Shortcut::Panel => self.view.panel = !self.view.panel,
             Shortcut::Overlay => self.view.overlay = !self.view.overlay,
-            Shortcut::FullScreen => self.execute(Command::FullScreen),
-            Shortcut::Screenshot => self.execute(Command::Screenshot),
+            Shortcut::FullScreen => self.execute(graphics, Command::FullScreen),
+            Shortcut::Screenshot => self.execute(graphics, Command::Screenshot),
             Shortcut::Quit => self.quit = true,
             Shortcut::LoseDevice => {
                 self.drawn = None;

@@ -11,11 +11,14 @@
 //! | `graphics`, `surface` | what lives on the GPU, and the surface's life |
 //! | `controls`, `picking`, `redraw` | the fly camera, the crater under the cursor, when a frame is due: no window needed |
 //! | `settings`, `panel`, `overlay`, `toasts` | what egui draws |
-//! | `measure` | frame times and steps per ray |
+//! | `measure`, `tradeoff` | frame times and steps per ray; error against time of the techniques |
+//! | `errors` | what the viewer does with those of techniques |
+//! | `reference` | the f64 reference of the error view, on threads of its own |
 //! | `loading`, `screenshot`, `status`, `watch` | files: maps, pictures, state for automated tests, shaders |
 
 mod commands;
 mod controls;
+mod errors;
 mod frame;
 mod graphics;
 mod input;
@@ -25,11 +28,13 @@ mod overlay;
 mod panel;
 mod picking;
 mod redraw;
+mod reference;
 mod screenshot;
 mod settings;
 mod status;
 mod surface;
 mod toasts;
+mod tradeoff;
 mod viewer;
 mod watch;
 mod window;

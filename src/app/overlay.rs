@@ -1,4 +1,5 @@
-//! What lies over the picture: frame times, steps and the ledger, the heat map's legend, crosshair, help and hints.
+//! What lies over the picture: frame times, steps and the ledger, the heat maps' legends, the split line, crosshair, help
+//! and hints.
 
 use egui::{
     Align2, Area, Color32, Context, Frame, Grid, Id, Mesh, Order, Pos2, Rect, RichText, ScrollArea, Sense, Shape,
@@ -7,13 +8,17 @@ use egui::{
 
 use super::controls::BINDINGS;
 use super::measure::{FRAMES, FrameTimes, Steps};
-use crate::render::{Ledger, heat_map_colour};
+use crate::render::{COVERS_SKY, ERROR_DECADES, Ledger, SEE_THROUGH, SKY_BOTH, heat_map_colour};
+use crate::scene::Scene;
 
 /// Distance of the overlays from the borders, points.
 const MARGIN: f32 = 10.0;
 
 /// Distance of the hint from the bottom, so that the legend fits below it. Points.
 const ABOVE_LEGEND: f32 = 84.0;
+
+/// Distance of the compared techniques' names from the top, so that the statistics fit above them. Points.
+const BELOW_STATISTICS: f32 = 144.0;
 
 /// Frame times, steps and the ledger in short, in the upper left corner of the picture beside the panel.
 pub(crate) fn statistics(ui: &Ui, times: &FrameTimes, steps: Option<Steps>, ledger: &Ledger, timestamps: bool) {
@@ -66,6 +71,79 @@ pub(crate) fn legend(ctx: &Context, free: Rect, maximum: u32) {
             });
         });
     });
+}
+
+/// What the colours of the error view mean, and what the errors are against: `reference`, the one in f64, or the exact
+/// technique, while the reference is `awaited` or for good.
+pub(crate) fn error_legend(ctx: &Context, free: Rect, reference: bool, awaited: bool) {
+    boxed(ctx, "legend", (Align2::LEFT_BOTTOM, free.left_bottom() + vec2(MARGIN, -MARGIN)), |ui| {
+        let against = match (reference, awaited) {
+            (true, _) => "against the f64 reference",
+            (false, true) => "against max-mipmap; the f64 reference follows …",
+            (false, false) => "against max-mipmap",
+        };
+        ui.label(format!("Distance error in cells, {against}"));
+        let (response, painter) = ui.allocate_painter(vec2(320.0, 14.0), Sense::hover());
+        painter.add(gradient(response.rect));
+        let [low, high] = ERROR_DECADES;
+        let font = egui::TextStyle::Body.resolve(ui.style());
+        let (row, painter) = ui.allocate_painter(vec2(320.0, 18.0), Sense::hover());
+        for decade in low..=high {
+            let share = (decade - low) as f32 / (high - low) as f32;
+            let align = [Align2::LEFT_TOP, Align2::CENTER_TOP, Align2::RIGHT_TOP]
+                [(decade > low) as usize + (decade == high) as usize];
+            let place = pos2(row.rect.left() + share * row.rect.width(), row.rect.top());
+            let text = format!("{}", 10f64.powi(decade));
+            painter.text(place, align, text, font.clone(), ui.visuals().text_color());
+        }
+        ui.horizontal(|ui| {
+            for (colour, meaning) in [(SEE_THROUGH, "sees through"), (COVERS_SKY, "covers the sky"), (SKY_BOTH, "sky")]
+            {
+                let (response, painter) = ui.allocate_painter(vec2(12.0, 12.0), Sense::hover());
+                let [red, green, blue] = colour;
+                painter.rect_filled(response.rect, 2.0, Color32::from_rgb(red, green, blue));
+                ui.label(meaning);
+            }
+        });
+    });
+}
+
+/// How far from the split line it can be taken hold of, points.
+pub(crate) const SPLIT_REACH: f32 = 6.0;
+
+/// Whether a line splits the picture: a technique is not compared with itself.
+pub(crate) fn is_split(scene: &Scene) -> bool {
+    scene.compare.enabled && scene.compare.technique != scene.march.technique
+}
+
+/// The line between two techniques, with the name of each on its side. `ui` is what the panel leaves free; the picture
+/// fills the window. The mouse that drags the line is handled where it moves, because egui would miss a drag that leaves
+/// the line before the next frame.
+pub(crate) fn split(ui: &Ui, scene: &Scene, dragged: bool) {
+    if !is_split(scene) {
+        return;
+    }
+    let (picture, free) = (ui.ctx().content_rect(), ui.available_rect_before_wrap());
+    let x = picture.left() + scene.compare.share as f32 * picture.width();
+    let reach = Rect::from_x_y_ranges(x - SPLIT_REACH..=x + SPLIT_REACH, free.y_range());
+    if dragged || ui.rect_contains_pointer(reach.intersect(free)) {
+        ui.set_cursor_icon(egui::CursorIcon::ResizeHorizontal);
+    }
+    if !free.x_range().contains(x) {
+        return;
+    }
+    let painter = ui.painter();
+    for (width, colour) in [(3.0, Color32::from_black_alpha(140)), (1.0, Color32::WHITE)] {
+        painter.vline(x, free.y_range(), Stroke::new(width, colour));
+    }
+    let names = [(scene.march.technique, Align2::RIGHT_TOP, -8.0), (scene.compare.technique, Align2::LEFT_TOP, 8.0)];
+    for (technique, align, beside) in names {
+        let colour = Color32::from_gray(235);
+        let text = painter.layout_no_wrap(technique.name().to_owned(), egui::FontId::proportional(15.0), colour);
+        let place = align.anchor_size(pos2(x + beside, free.top() + BELOW_STATISTICS), text.size());
+        painter.rect_filled(place.expand2(vec2(5.0, 3.0)), 3.0, Color32::from_black_alpha(170));
+        painter.galley(place.min, text, colour);
+    }
 }
 
 /// The steps at a place of the legend.

@@ -83,6 +83,10 @@ pub(crate) enum Command {
     Screenshot,
     /// Enter or leave full screen.
     FullScreen,
+    /// Measure error and time of the techniques in this view.
+    MeasureTradeoff,
+    /// Forget what was measured.
+    ForgetTradeoff,
 }
 
 /// What the panel shows but cannot change.

@@ -48,6 +48,10 @@ pub(crate) struct Status<'a> {
     pub(crate) ledger: &'a Ledger,
     /// GPU times of the last frames.
     pub(crate) frame_ms: Times,
+    /// The error view is compared with the f64 reference, and not with the exact technique.
+    pub(crate) reference: bool,
+    /// Error against time of the techniques: how many settings were measured.
+    pub(crate) tradeoff: usize,
     /// Steps per ray: mean and maximum, where they are measured.
     pub(crate) steps: Option<(f64, u32)>,
     /// The last messages, oldest first.
@@ -187,6 +191,8 @@ impl Viewer {
             scene: &self.scene,
             ledger: graphics.renderer.ledger(),
             frame_ms: Times { median: self.meter.times.quantile(0.5), p99: self.meter.times.quantile(0.99) },
+            reference: self.shows_reference,
+            tradeoff: self.tradeoff.results().len(),
             steps: self.steps(),
             toasts: self.toasts.history().collect(),
             widgets: &self.widgets,
@@ -206,7 +212,9 @@ impl Viewer {
     /// Whether nothing changes and nothing is being waited for.
     fn is_idle(&self, now: Instant) -> bool {
         let drawing = !self.hidden && (self.redraw.is_wanted() || self.fly.is_moving() || self.spins());
-        let measuring = self.meter.next(now, self.measures_steps()) != Next::Never;
+        let measuring = self.meter.next(now, self.measures_steps()) != Next::Never
+            || self.reference.is_busy()
+            || self.tradeoff.progress().is_some();
         let working = self.saving || self.wants_screenshot || self.reload_at.is_some() || self.loader.path().is_some();
         !(drawing || measuring || working)
     }
@@ -284,6 +292,8 @@ mod tests {
                 scene: &scene,
                 ledger: &ledger,
                 frame_ms: Times { median: None, p99: None },
+                reference: false,
+                tradeoff: 0,
                 steps: None,
                 toasts: vec!["hello"],
                 widgets: &[],

@@ -15,9 +15,11 @@ use super::graphics::Graphics;
 use super::loading::{Loader, Opened};
 use super::measure::{Meter, Steps};
 use super::redraw::{Next, Redraw};
+use super::reference::ReferenceWorker;
 use super::settings::{Facts, PathFields, ViewSettings};
 use super::status::{StatusFile, Widget};
 use super::toasts::Toasts;
+use super::tradeoff::Tradeoff;
 use super::window::UserEvent;
 use super::{ViewerOptions, watch};
 use crate::camera::{Camera, NamedView};
@@ -38,6 +40,8 @@ pub(super) struct Pointer {
     pub(super) cursor: Option<DVec2>,
     /// The right button is down and looks around.
     pub(super) dragging: bool,
+    /// The left button is down and drags the split line.
+    pub(super) splitting: bool,
     /// The mouse is captured and looks around.
     pub(super) captured: bool,
     /// The cursor was over the panel or another part of egui.
@@ -60,6 +64,10 @@ pub(crate) struct Viewer {
     pub(super) loader: Loader,
     pub(super) redraw: Redraw,
     pub(super) meter: Meter,
+    pub(super) reference: ReferenceWorker,
+    /// The picture on screen is compared with the f64 reference.
+    pub(super) shows_reference: bool,
+    pub(super) tradeoff: Tradeoff,
     /// A line of text over the picture until a moment.
     pub(super) hint: Option<(String, Instant)>,
     /// The part of the window that the panel leaves free, points.
@@ -131,6 +139,9 @@ impl Viewer {
             loader: Loader::default(),
             redraw: Redraw::default(),
             meter: Meter::default(),
+            reference: ReferenceWorker::default(),
+            shows_reference: false,
+            tradeoff: Tradeoff::default(),
             hint: None,
             free: egui::Rect::EVERYTHING,
             drawn: None,
@@ -203,7 +214,8 @@ impl Viewer {
             self.redraw.next(now, self.fly.is_moving() || self.spins(), self.view.frame_limit)
         };
         let reload = self.reload_at.map_or(Next::Never, Next::At);
-        frame.or(reload).or(self.meter.next(now, self.measures_steps()))
+        let tradeoff = if self.may_measure_tradeoff() { Next::At(now) } else { Next::Never };
+        frame.or(reload).or(tradeoff).or(self.reference.next()).or(self.meter.next(now, self.measures_steps()))
     }
 
     /// Whether steps per ray are wanted, and there is a picture to measure them for.
@@ -240,6 +252,10 @@ impl Viewer {
         if self.measures_steps() {
             self.measure_steps(graphics, now)?;
         }
+        self.follow_reference(graphics, now)?;
+        if self.may_measure_tradeoff() {
+            self.measure_tradeoff(graphics)?;
+        }
         // The numbers on screen are of the frame before.
         if self.meter.collect_times(|| graphics.renderer.take_frame_time(), now)
             && (self.view.overlay || self.view.panel)
@@ -274,6 +290,7 @@ impl Viewer {
             }
         }
         self.map = opened.map;
+        self.tradeoff.forget();
         self.scene.terrain.file = Some(opened.path);
         self.scene.terrain.height_scale = None;
         self.scene.craters.list.clear();
@@ -317,6 +334,8 @@ impl Viewer {
             },
             // The map itself is fetched by `poll`.
             UserEvent::Loaded => {}
+            // So are the distances.
+            UserEvent::Reference => {}
             UserEvent::ShadersChanged => self.reload_at = Some(now + SHADER_PAUSE),
             UserEvent::Screenshot(result) => {
                 self.saving = false;
@@ -340,6 +359,8 @@ impl Viewer {
         let title = std::mem::take(&mut self.facts.title);
         self.facts = Facts::new(&self.map, title, &graphics.gpu);
         (self.drawn, self.meter) = (None, Meter::default());
+        self.reference.forget();
+        self.tradeoff.forget();
         send_textures_again(self.egui.egui_ctx());
         let message = format!("The GPU device was lost ({lost}) and has been set up again.");
         self.toasts.warning(&message, Instant::now());

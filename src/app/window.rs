@@ -28,6 +28,8 @@ pub(crate) enum UserEvent {
     Accessibility(accesskit_winit::Event),
     /// A height map was opened, or could not be.
     Loaded,
+    /// Distances of the reference were found.
+    Reference,
     /// A shader was saved.
     ShadersChanged,
     /// A screenshot was written, or could not be.

@@ -28,9 +28,19 @@ Examples:
   relief render -o far.png --view horizon --technique linear-binary --samples 128..512
   relief render -o out.png --depth out.exr --stats out.json --frames 20
   relief render map.png -o out.png --scene screenshot.toml --debug steps
+  relief render -o split.png --technique max-mipmap --compare linear-binary@0.4 --samples 32
+  relief render -o wrong.png --technique linear-binary --samples 64..256 --debug error
   relief render -o holes.png --crater 0.4,0.5 --crater 0.6,0.5,0.05,0.4,0.1
 
 Defaults come first, then the scene file, then the options given here.";
+
+const REPORT_EXAMPLES: &str = "\
+Examples:
+  relief report -o canyon                      the Grand Canyon, all settings, five views: some ten minutes in software
+  relief report map.png -o quick --quick       under a minute
+  relief report -o mine --scene screenshot.toml --size 640x400
+
+Ctrl-C ends it and writes what was measured until then.";
 
 /// Flies over height maps without a mesh: a fragment shader casts one ray per pixel through a unit cube.
 #[derive(Debug, Parser)]
@@ -49,6 +59,9 @@ pub(crate) enum Command {
     /// Draw one picture without a window
     #[command(after_help = RENDER_EXAMPLES)]
     Render(Box<RenderArgs>),
+    /// Measure every technique: how wrong it is and what it costs
+    #[command(after_help = REPORT_EXAMPLES)]
+    Report(ReportArgs),
     /// Say what a height map holds
     Info(InfoArgs),
     /// Make a height map
@@ -99,6 +112,29 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000), default_value_t = 1,
         requires = "stats", help_heading = "Output")]
     pub(crate) frames: u32,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ReportArgs {
+    /// The height map: a greyscale PNG, 8 or 16 bits [default: the scene's, else the Grand Canyon, which is built in]
+    #[arg(value_parser = parse::input_file())]
+    pub(crate) file: Option<PathBuf>,
+    /// The folder for report.md, report.csv, report.json, error-vs-time.svg and error-vs-time.png; made where it is missing
+    #[arg(short, long, value_name = "DIR")]
+    pub(crate) output: PathBuf,
+    /// Size of the measured pictures in pixels
+    #[arg(long, value_name = "WxH", value_parser = parse::size, default_value = "320x200")]
+    pub(crate) size: [u32; 2],
+    /// A scene file (TOML) whose camera is a view to measure; repeatable. Light, colours and craters are those of the
+    /// first [default: the views over, graze, valley, down and horizon]
+    #[arg(long = "scene", value_name = "SCENE.toml", value_parser = parse::input_file())]
+    pub(crate) scenes: Vec<PathBuf>,
+    /// Height of the terrain in world units, 0 (flat) to 1000 [default: the scene's, else the map's own proportion]
+    #[arg(long, value_name = "S", value_parser = parse::height_scale, allow_negative_numbers = true)]
+    pub(crate) height_scale: Option<f64>,
+    /// Few settings and rounds: under a minute instead of some ten
+    #[arg(long)]
+    pub(crate) quick: bool,
 }
 
 #[derive(Debug, Args)]
@@ -156,22 +192,25 @@ pub(crate) struct SceneArgs {
     /// How rays meet the ground [default: max-mipmap]
     #[arg(long, value_name = "NAME", value_enum, help_heading = "Ray marching")]
     pub(crate) technique: Option<Technique>,
-    /// Steps of linear and linear-binary, looking down..along the ground; one number: the same for all [default: 128..512]
+    /// Steps of every technique but max-mipmap, looking down..along the ground; one number: the same for all [default: 128..512]
     #[arg(long, value_name = "MIN..MAX", value_parser = parse::samples, allow_hyphen_values = true,
         help_heading = "Ray marching")]
     pub(crate) samples: Option<[u32; 2]>,
     /// Give every ray the most steps, whatever its angle
     #[arg(long, help_heading = "Ray marching")]
     pub(crate) fixed_steps: bool,
-    /// Halvings of the last step of linear-binary; 0 is off [default: 8]
+    /// Halvings of the last step of linear-binary, cone, relaxed-cone; 0 is off [default: 8]
     #[arg(long, value_name = "N", value_parser = parse::halvings(), help_heading = "Ray marching")]
     pub(crate) binary_steps: Option<u32>,
-    /// How linear and linear-binary read heights between samples [default: exact]
+    /// How linear, linear-binary and secant read heights between samples [default: exact]
     #[arg(long, value_name = "FILTER", value_enum, help_heading = "Ray marching")]
     pub(crate) filter: Option<HeightFilter>,
     /// Start rays at the lid of the box, not at the height of the highest terrain
     #[arg(long, help_heading = "Ray marching")]
     pub(crate) no_lower_start: bool,
+    /// Split the picture: TECHNIQUE draws what is right of a line at SHARE of the width, 0 to 1 [default: no split; share 0.5]
+    #[arg(long, value_name = "TECHNIQUE[@SHARE]", value_parser = parse::compare, help_heading = "Ray marching")]
+    pub(crate) compare: Option<parse::CompareSpec>,
     /// Show the ground's colour where rays miss: no silhouette
     #[arg(long, help_heading = "Ray marching")]
     pub(crate) no_discard: bool,

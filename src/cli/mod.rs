@@ -8,6 +8,7 @@ mod output;
 mod parse;
 mod progress;
 mod render;
+mod report;
 mod terrain;
 mod view;
 
@@ -43,6 +44,7 @@ fn execute(cli: &Cli) -> Result<(), Failure> {
         None => view::run(&cli.view),
         Some(Command::View(args)) => view::run(args),
         Some(Command::Render(args)) => render::run(args),
+        Some(Command::Report(args)) => report::run(args),
         Some(Command::Info(args)) => info::run(args),
         Some(Command::Generate(args)) => generate::run(args),
         Some(Command::Completions { shell }) => {

@@ -7,7 +7,7 @@ use clap::builder::{RangedU64ValueParser, TypedValueParser, ValueParser};
 use glam::DVec3;
 
 use crate::heightfield::{Crater, HEIGHT_SCALES};
-use crate::scene::CraterSettings;
+use crate::scene::{CompareSettings, CraterSettings, Technique};
 use crate::scene_file::{FARTHEST, MOST_HALVINGS, MOST_SAMPLES};
 
 /// A crater as far as the command line gives it: the brush of the scene fills in the rest.
@@ -29,6 +29,37 @@ impl CraterSpec {
             depth: self.depth.unwrap_or(brush.depth),
             rim: self.rim.unwrap_or(brush.rim),
             ..brush
+        }
+    }
+}
+
+/// A technique to compare with, and where the line is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct CompareSpec {
+    technique: Technique,
+    share: Option<f64>,
+}
+
+impl CompareSpec {
+    /// Splits the picture; without a share the line stays where the scene has it.
+    pub(crate) fn apply(self, settings: &mut CompareSettings) {
+        let share = self.share.unwrap_or(settings.share);
+        *settings = CompareSettings { enabled: true, technique: self.technique, share };
+    }
+}
+
+/// `linear-binary@0.4`, or the technique alone.
+pub(crate) fn compare(text: &str) -> Result<CompareSpec, String> {
+    let (name, share) = match text.split_once('@') {
+        Some((name, share)) => {
+            (name, Some(in_range(share, |share: f64| (0.0..=1.0).contains(&share), "a share of the width, 0 to 1")?))
+        }
+        None => (text, None),
+    };
+    match Technique::ALL.into_iter().find(|technique| technique.name() == name) {
+        Some(technique) => Ok(CompareSpec { technique, share }),
+        None => {
+            Err(format!("there is no technique `{name}`; there are {}", Technique::ALL.map(Technique::name).join(", ")))
         }
     }
 }
@@ -200,6 +231,19 @@ mod tests {
         for wrong in ["0.5", "0.5,0.5,0", "0.5,0.5,0.1,-1", "0.5,0.5,0.1,0.1,0.1,0.1", "0.5,nan"] {
             assert!(crater(wrong).is_err(), "{wrong}");
         }
+    }
+
+    #[test]
+    fn a_comparison_is_a_technique_and_perhaps_a_share() {
+        let mut settings = CompareSettings { share: 0.3, ..CompareSettings::default() };
+        compare("linear").unwrap().apply(&mut settings);
+        assert_eq!(settings, CompareSettings { enabled: true, technique: Technique::Linear, share: 0.3 });
+        compare("max-mipmap@0.75").unwrap().apply(&mut settings);
+        assert_eq!(settings, CompareSettings { enabled: true, technique: Technique::MaxMipmap, share: 0.75 });
+        for wrong in ["", "@0.5", "lineer", "linear@", "linear@1.1", "linear@-0.1", "linear@nan", "linear@a"] {
+            assert!(compare(wrong).is_err(), "{wrong}");
+        }
+        assert!(compare("lineer").unwrap_err().contains("linear-binary"));
     }
 
     #[test]

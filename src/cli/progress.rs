@@ -1,9 +1,9 @@
 //! A sign of life on stderr for work that takes longer than half a second.
 
 use std::io::IsTerminal;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
@@ -19,43 +19,69 @@ const WHOLE: u64 = 1000;
 /// A spinner, or once a share of the work is known a bar with a percentage. It appears when it is not dropped within
 /// half a second; none where stderr is no terminal.
 pub(crate) struct Progress {
-    /// What is done, out of [`WHOLE`].
-    done: Arc<AtomicU64>,
+    shown: Arc<Shown>,
     waiter: Option<(Sender<()>, JoinHandle<()>)>,
+}
+
+/// What the bar shows.
+struct Shown {
+    /// What is done, out of [`WHOLE`].
+    done: AtomicU64,
+    /// The work being done.
+    what: Mutex<String>,
+    /// Whether it says how long the work still takes.
+    time_left: AtomicBool,
 }
 
 impl Progress {
     /// Begins to wait; `what` is the work being done.
     pub(crate) fn start(what: impl Into<String>) -> Self {
-        let done = Arc::new(AtomicU64::new(0));
+        let shown = Arc::new(Shown {
+            done: AtomicU64::new(0),
+            what: Mutex::new(what.into()),
+            time_left: AtomicBool::new(false),
+        });
         if !std::io::stderr().is_terminal() {
-            return Self { done, waiter: None };
+            return Self { shown, waiter: None };
         }
-        let (what, shown) = (what.into(), Arc::clone(&done));
+        let to_show = Arc::clone(&shown);
         let (sender, end) = channel::<()>();
         let waiter = std::thread::spawn(move || {
             if end.recv_timeout(PATIENCE) == Err(RecvTimeoutError::Timeout) {
-                show(what, &shown, &end);
+                show(&to_show, &end);
             }
         });
-        Self { done, waiter: Some((sender, waiter)) }
+        Self { shown, waiter: Some((sender, waiter)) }
+    }
+
+    /// Says how long the work still takes, too.
+    pub(crate) fn with_time_left(self) -> Self {
+        self.shown.time_left.store(true, Ordering::Relaxed);
+        self
+    }
+
+    /// Tells what is being done now.
+    pub(crate) fn say(&self, what: &str) {
+        what.clone_into(&mut self.shown.what.lock().unwrap_or_else(PoisonError::into_inner));
     }
 
     /// Tells the share that is done, 0..1. Several threads may, in any order: what is done stays done.
     pub(crate) fn set(&self, share: f32) {
-        self.done.fetch_max((share * WHOLE as f32) as u64, Ordering::Relaxed);
+        self.shown.done.fetch_max((share * WHOLE as f32) as u64, Ordering::Relaxed);
     }
 }
 
 /// Draws until `end` hears that the work is done.
-fn show(what: String, done: &AtomicU64, end: &Receiver<()>) {
-    let bar = ProgressBar::new(WHOLE).with_message(what);
+fn show(shown: &Shown, end: &Receiver<()>) {
+    let bar = ProgressBar::new(WHOLE);
     loop {
-        let done = done.load(Ordering::Relaxed);
-        let template = match done {
-            0 => "{spinner} {msg} ({elapsed})",
-            _ => "{spinner} {msg} [{bar:30}] {percent:>3} % ({elapsed})",
+        let done = shown.done.load(Ordering::Relaxed);
+        let template = match (done, shown.time_left.load(Ordering::Relaxed)) {
+            (0, _) => "{spinner} {msg} ({elapsed})",
+            (_, false) => "{spinner} {msg} [{bar:30}] {percent:>3} % ({elapsed})",
+            (_, true) => "{spinner} [{bar:30}] {percent:>3} % {elapsed}, {eta} left: {wide_msg}",
         };
+        bar.set_message(shown.what.lock().unwrap_or_else(PoisonError::into_inner).clone());
         if let Ok(style) = ProgressStyle::with_template(template) {
             bar.set_style(style.progress_chars("=> "));
         }

@@ -15,7 +15,7 @@ use super::progress::Progress;
 use super::terrain::{self, Source};
 use crate::gpu::{Gpu, Target};
 use crate::heightfield::HeightField;
-use crate::render::{Ledger, Probe, RenderError, Renderer};
+use crate::render::{ERROR_DECADES, Ledger, Probe, RenderError, Renderer};
 use crate::scene::{DebugView, Scene};
 
 /// Frames drawn before any is timed: a driver compiles shaders in the first.
@@ -31,8 +31,8 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     terrain::place_camera(&args.scene, &mut scene, &map)?;
 
     let (scene_view, heat_map_max) = (scene.debug.view, scene.debug.heat_map_max);
-    let progress = Progress::start("drawing");
     let mut easel = Easel::new(gpu, scene, map, args.size)?;
+    let progress = Progress::start("drawing");
     let times = if args.stats.is_some() { easel.timed_frames(args.frames)? } else { easel.frame()? };
     let picture = easel.png()?;
     let ledger = easel.renderer.ledger().clone();
@@ -48,6 +48,13 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     outputs.picture.write(&picture)?;
     if scene_view == DebugView::Steps {
         eprintln!("relief: steps per ray: black is 0, pale yellow {heat_map_max} or more");
+    }
+    if scene_view == DebugView::Error {
+        let [low, high] = ERROR_DECADES.map(|decade| 10f64.powi(decade));
+        eprintln!(
+            "relief: distance error against max-mipmap: black is {low} cells or less, pale yellow {high} or more; \
+             light blue sees through the ground, green covers the sky, dark grey is sky"
+        );
     }
     if let (Some(output), Some(probe)) = (&outputs.depth, &probe) {
         output.write(&exr_of(probe)?)?;
@@ -67,8 +74,8 @@ pub(crate) fn picture(
     size: [u32; 2],
     to: &Output,
 ) -> Result<(), Failure> {
-    let progress = Progress::start("drawing");
     let mut easel = Easel::new(gpu, scene, map, size)?;
+    let progress = Progress::start("drawing");
     easel.frame()?;
     let picture = easel.png()?;
     drop(progress);
@@ -132,7 +139,10 @@ struct Easel {
 impl Easel {
     fn new(gpu: Arc<Gpu>, scene: Scene, map: HeightField, size: [u32; 2]) -> Result<Self, Failure> {
         let mut renderer = Renderer::new(Arc::clone(&gpu))?;
+        let progress = Progress::start("preparing the terrain");
         renderer.set_terrain(Arc::new(map))?;
+        renderer.prepare_cones(&scene, &|share| progress.set(share));
+        drop(progress);
         let target = Target::new(&gpu, size);
         Ok(Self { gpu, renderer, target, scene })
     }

@@ -131,6 +131,10 @@ pub(crate) fn compose(args: &SceneArgs) -> Result<Scene, Failure> {
     march.lower_start &= !args.no_lower_start;
     march.discard_misses &= !args.no_discard;
 
+    if let Some(compare) = args.compare {
+        compare.apply(&mut scene.compare);
+    }
+
     scene.diffuse.enabled = (scene.diffuse.enabled || args.texture.is_some()) && !args.no_texture;
     set_some(&mut scene.diffuse.file, args.texture.clone());
     set(&mut scene.diffuse.repeats, args.repeats);
@@ -239,12 +243,13 @@ mod tests {
     #[test]
     fn every_flag_reaches_the_scene() {
         let flags = "--height-scale 0.5 --fixed-steps --samples 7..9 --binary-steps 0 --filter nearest \
-            --no-lower-start --no-discard --no-texture --no-lighting --sun 10,20 --no-skybox --occluder-at 1,2,3 \
+            --compare linear@0.25 --no-lower-start --no-discard --no-texture --no-lighting --sun 10,20 --no-skybox --occluder-at 1,2,3 \
             --crater-mode layered --debug normals --wireframe";
         let scene = compose(&scene_args(&flags.split_whitespace().collect::<Vec<_>>())).unwrap();
         let march = &scene.march;
         assert_eq!(scene.terrain.height_scale, Some(0.5));
         assert_eq!((march.samples_min, march.samples_max, march.binary_steps), (7, 9, 0));
+        assert!(scene.compare.enabled && (scene.compare.technique, scene.compare.share) == (Technique::Linear, 0.25));
         assert!(!march.steps_by_angle && !march.lower_start && !march.discard_misses);
         assert!(!scene.diffuse.enabled && !scene.lighting.enabled && !scene.skybox.enabled);
         assert_eq!((scene.lighting.sun_azimuth, scene.lighting.sun_elevation), (10.0, 20.0));

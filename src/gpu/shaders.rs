@@ -17,12 +17,16 @@ macro_rules! embed {
 /// Every shader file, as compiled in.
 const EMBEDDED: &[(&str, &str)] = embed![
     "beam.wgsl",
+    "cones.wgsl",
     "cube.wgsl",
     "frame.wgsl",
     "heightfield.wgsl",
+    "march/cone.wgsl",
     "march/linear-binary.wgsl",
     "march/linear.wgsl",
     "march/max-mipmap.wgsl",
+    "march/relaxed-cone.wgsl",
+    "march/secant.wgsl",
     "present.wgsl",
     "pyramid.wgsl",
     "sampling.wgsl",

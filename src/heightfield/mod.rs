@@ -1,6 +1,7 @@
 //! The height map itself: loading, generating, the maximum pyramid, craters, and the f64 reference. No GPU, no window.
 
 pub mod colour;
+pub mod cone;
 mod crater;
 mod edited;
 mod field;
@@ -13,6 +14,7 @@ mod sidecar;
 #[cfg(test)]
 mod testing;
 
+pub use cone::{ConeKind, ConeMap};
 pub use crater::{Crater, CraterLayer};
 pub use edited::{Edit, EditedTerrain, SampleRect};
 pub(crate) use field::HEIGHT_SCALES;

@@ -10,8 +10,8 @@ use super::{HEIGHT_SCALES, HeightField};
 const EXTENT_RATIOS: std::ops::RangeInclusive<f64> = 1e-5..=1e5;
 
 /// The tables of a scene file. A screenshot's scene has the stem of its picture, just as a sidecar would.
-const SCENE_TABLES: [&str; 9] =
-    ["terrain", "camera", "march", "diffuse", "lighting", "skybox", "occluder", "craters", "debug"];
+const SCENE_TABLES: [&str; 10] =
+    ["terrain", "camera", "march", "compare", "diffuse", "lighting", "skybox", "occluder", "craters", "debug"];
 
 /// What a height map shows: the file with the map's stem and the ending `.toml`. Every key may be left out.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

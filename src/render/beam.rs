@@ -7,6 +7,7 @@ use super::frame::{texture_entry, uniform_entry};
 use super::ground::Texture;
 use super::ledger::TextureEntry;
 use super::pipelines::{Built, PassDescription};
+use super::split::Area;
 use super::terrain::TerrainUniform;
 
 /// Side of a tile in pixels.
@@ -63,13 +64,14 @@ impl Beams {
         TextureEntry::of("beam", &self.starts.texture)
     }
 
-    /// Finds the starts: a pass of its own, before the terrain's.
+    /// Finds the starts of the tiles in `area` of the picture: a pass of its own, before the terrain's.
     pub(super) fn encode(
         &self,
         encoder: &mut wgpu::CommandEncoder,
         built: &Built,
         frame: &wgpu::BindGroup,
         group: &wgpu::BindGroup,
+        area: Area,
         timestamps: Option<wgpu::RenderPassTimestampWrites<'_>>,
     ) {
         let attachments = [Some(wgpu::RenderPassColorAttachment {
@@ -89,6 +91,7 @@ impl Beams {
         pass.set_pipeline(&built.pipeline);
         pass.set_bind_group(0, frame, &[]);
         pass.set_bind_group(1, group, &[]);
+        area.in_tiles(TILE).scissor(&mut pass);
         pass.draw(0..3, 0..1);
     }
 

@@ -54,6 +54,20 @@ pub enum RenderError {
         /// What to do instead.
         instead: &'static str,
     },
+    /// The distances given for a picture are not one per pixel.
+    #[error(
+        "there are {given} distances for a picture of {width}×{height} pixels\n  \
+         each pixel needs one, row 0 at the top: {} in all\n  \
+         measure them at the size of the picture", u64::from(*width) * u64::from(*height)
+    )]
+    Distances {
+        /// Distances that were given.
+        given: usize,
+        /// Width of the picture.
+        width: u32,
+        /// Height of the picture.
+        height: u32,
+    },
     /// The driver refused an allocation or a command.
     #[error(
         "the GPU's driver refused to work\n  {0}\n  try a smaller window or picture, or another adapter (RELIEF_ADAPTER=NAME)"

@@ -1,10 +1,15 @@
-//! The terrain's textures: heights, pyramid, crater layer. Each exists only while a frame needs it, and an edit uploads
-//! only what it touched.
+//! The terrain's textures: heights, pyramid, cones, crater layer. Each exists only while a frame needs it, and an edit
+//! uploads only what it touched; after one all cones are found anew.
+
+use std::borrow::Cow;
 
 use crate::gpu::Gpu;
-use crate::heightfield::{Crater, CraterLayer, Edit, EditedTerrain, HeightField, MaxPyramid, NodeRect, SampleRect};
+use crate::heightfield::{
+    ConeKind, Crater, CraterLayer, Edit, EditedTerrain, HeightField, MaxPyramid, NodeRect, SampleRect,
+};
 use crate::scene::{CraterMode, CraterSettings};
 
+use super::cones::Cones;
 use super::ledger::TextureEntry;
 
 /// Format of heights, maxima and displacements.
@@ -25,6 +30,7 @@ pub(super) struct Ground {
     /// Whether the heights on the GPU are those with the craters (the same as those without, while there are none).
     heights_have_craters: bool,
     pyramid: Option<Texture>,
+    cones: Cones,
     layer: Option<Layer>,
     uploaded: u64,
     changed: Option<SampleRect>,
@@ -50,12 +56,13 @@ struct Layer {
 impl Ground {
     pub(super) fn new(gpu: &Gpu, terrain: EditedTerrain) -> Self {
         let map = terrain.base();
-        let heights = float_texture(gpu, "heights", [map.width(), map.height()]);
+        let heights = float_texture(gpu, "heights", [map.width(), map.height()], HEIGHT_FORMAT);
         let mut ground = Self {
             terrain,
             heights,
             heights_have_craters: true,
             pyramid: None,
+            cones: Cones::default(),
             layer: None,
             uploaded: 0,
             changed: None,
@@ -81,9 +88,11 @@ impl Ground {
             self.heights_have_craters = wants_craters;
             self.upload_heights(gpu);
             self.pyramid = None;
+            self.cones.clear();
         } else if let (true, Some(edit)) = (wants_craters, &edit) {
             self.heights_have_craters = true;
             self.upload_edit(gpu, edit);
+            self.cones.clear();
         }
         match (walks_pyramid, self.pyramid.is_some()) {
             (true, false) => self.upload_pyramid(gpu),
@@ -92,9 +101,30 @@ impl Ground {
         }
         if layered {
             self.prepare_layer(gpu, craters);
-        } else {
-            self.layer = None;
+        } else if self.layer.take().is_some() {
+            self.cones.clear();
         }
+    }
+
+    /// Brings the cones up to date with the ground of the last [`Self::prepare`], or drops their textures. After a crater
+    /// this finds all of them anew, which can take seconds.
+    pub(super) fn prepare_cones(&mut self, gpu: &Gpu, needed: &[ConeKind], progress: &(dyn Fn(f32) + Sync)) {
+        let mut cones = std::mem::take(&mut self.cones);
+        self.uploaded += cones.prepare(gpu, needed, || self.shown(), progress);
+        self.cones = cones;
+    }
+
+    /// The ground at the map's samples as it is drawn, with the craters of the layer, too.
+    fn shown(&self) -> Cow<'_, HeightField> {
+        let base = self.terrain.base();
+        match &self.layer {
+            Some(layer) => Cow::Owned(CraterLayer::rasterise(&layer.craters, base, layer.resolution).apply_to(base)),
+            None => Cow::Borrowed(self.resident()),
+        }
+    }
+
+    pub(super) fn cones(&self, kind: ConeKind) -> Option<&wgpu::TextureView> {
+        self.cones.view(kind)
     }
 
     /// The samples that craters have changed since the last call, on the CPU.
@@ -146,6 +176,7 @@ impl Ground {
     pub(super) fn list(&self, entries: &mut Vec<TextureEntry>) {
         entries.push(TextureEntry::of("heights", &self.heights.texture));
         entries.extend(self.pyramid.as_ref().map(|pyramid| TextureEntry::of("pyramid", &pyramid.texture)));
+        entries.extend(self.cones.entries());
         entries.extend(self.layer.as_ref().map(|layer| TextureEntry::of("crater layer", &layer.texture.texture)));
     }
 
@@ -184,7 +215,7 @@ impl Ground {
             &of_base
         };
         let (levels, layout) = (self.top_level(), self.pyramid_layout());
-        let texture = float_texture(gpu, "pyramid", layout.size());
+        let texture = float_texture(gpu, "pyramid", layout.size(), HEIGHT_FORMAT);
         for (number, level) in (1..=levels).zip(pyramid.levels()) {
             let all = SampleRect { x: 0, y: 0, width: level.width, height: level.height };
             let place = layout.place_of(number);
@@ -198,11 +229,12 @@ impl Ground {
         if self.layer.as_ref().is_some_and(|layer| layer.resolution == resolution && layer.craters == craters.list) {
             return;
         }
+        self.cones.clear();
         let layer = CraterLayer::rasterise(&craters.list, self.terrain.base(), resolution);
         let size = [layer.width, layer.height];
         let texture = match self.layer.take() {
             Some(old) if old.size == size => old.texture,
-            _ => float_texture(gpu, "crater layer", size),
+            _ => float_texture(gpu, "crater layer", size, HEIGHT_FORMAT),
         };
         let all = SampleRect { x: 0, y: 0, width: size[0], height: size[1] };
         self.uploaded += upload(gpu, &texture.texture, [0, 0], &layer.data, size[0], all);
@@ -251,14 +283,15 @@ impl PyramidLayout {
     }
 }
 
-fn float_texture(gpu: &Gpu, label: &str, size: [u32; 2]) -> Texture {
+/// A texture of floats that is filled by [`upload`].
+pub(super) fn float_texture(gpu: &Gpu, label: &str, size: [u32; 2], format: wgpu::TextureFormat) -> Texture {
     let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
         label: Some(label),
         size: wgpu::Extent3d { width: size[0], height: size[1], depth_or_array_layers: 1 },
         mip_level_count: 1,
         sample_count: 1,
         dimension: wgpu::TextureDimension::D2,
-        format: HEIGHT_FORMAT,
+        format,
         usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
         view_formats: &[],
     });
@@ -266,16 +299,25 @@ fn float_texture(gpu: &Gpu, label: &str, size: [u32; 2]) -> Texture {
     Texture { texture, view }
 }
 
-/// Copies `rect` of a grid of floats, `stride` to a row, into `texture`, where the grid begins at `place`; returns the
+/// Copies `rect` of a grid of texels, `stride` to a row, into `texture`, where the grid begins at `place`; returns the
 /// bytes copied.
-fn upload(gpu: &Gpu, texture: &wgpu::Texture, place: [u32; 2], data: &[f32], stride: u32, rect: SampleRect) -> u64 {
-    let row_bytes = stride as usize * size_of::<f32>();
+pub(super) fn upload(
+    gpu: &Gpu,
+    texture: &wgpu::Texture,
+    place: [u32; 2],
+    data: &[f32],
+    stride: u32,
+    rect: SampleRect,
+) -> u64 {
+    let channels = usize::from(texture.format().components());
+    let texel_bytes = channels * size_of::<f32>();
+    let row_bytes = stride as usize * texel_bytes;
     let rows_at_once = (UPLOAD_BYTES / row_bytes).max(1) as u32;
     let mut y = rect.y;
     while y < rect.y + rect.height {
         let height = rows_at_once.min(rect.y + rect.height - y);
-        let first = y as usize * stride as usize;
-        let rows = &data[first..first + height as usize * stride as usize];
+        let first = y as usize * stride as usize * channels;
+        let rows = &data[first..first + height as usize * stride as usize * channels];
         gpu.queue.write_texture(
             wgpu::TexelCopyTextureInfo {
                 texture,
@@ -285,7 +327,7 @@ fn upload(gpu: &Gpu, texture: &wgpu::Texture, place: [u32; 2], data: &[f32], str
             },
             bytemuck::cast_slice(rows),
             wgpu::TexelCopyBufferLayout {
-                offset: u64::from(rect.x) * size_of::<f32>() as u64,
+                offset: u64::from(rect.x) * texel_bytes as u64,
                 bytes_per_row: Some(row_bytes as u32),
                 rows_per_image: None,
             },
@@ -297,7 +339,7 @@ fn upload(gpu: &Gpu, texture: &wgpu::Texture, place: [u32; 2], data: &[f32], str
             gpu.queue.submit([]);
         }
     }
-    u64::from(rect.width) * u64::from(rect.height) * size_of::<f32>() as u64
+    u64::from(rect.width) * u64::from(rect.height) * texel_bytes as u64
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use serde::Serialize;
 /// What the last frame cost and what is alive.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Ledger {
-    /// Passes in their order: `beam`, `terrain`, `wireframe`, `occluder`, `skybox` of the last scene frame, then `present` and
+    /// Passes in their order: `beam`, `exact`, `terrain`, `compare`, `wireframe`, `occluder`, `skybox` of the last scene frame, then `present` and
     /// `egui` of the last time it was shown. A frame of the panel alone runs only those two again.
     pub passes: Vec<String>,
     /// The renderer's pipelines alive, by name.
@@ -16,7 +16,8 @@ pub struct Ledger {
     pub textures: Vec<TextureEntry>,
     /// Their bytes.
     pub texture_bytes: u64,
-    /// Shader defs of the terrain's pipeline; empty where no terrain was drawn.
+    /// Shader defs of the terrain's pipeline; empty where no terrain was drawn, those of the left one
+    /// where two techniques are compared.
     pub shader_defs: Vec<String>,
     /// Bytes uploaded to textures since the scene frame before the last.
     pub uploaded_bytes: u64,
@@ -30,7 +31,8 @@ pub struct Ledger {
 /// A texture of the ledger.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TextureEntry {
-    /// What it is for: `heights`, `pyramid`, `crater layer`, `diffuse`, `sky`, `beam`, `picture`, `depth`.
+    /// What it is for: `heights`, `pyramid`, `cones`, `crater layer`, `diffuse`, `sky`, `beam`, `exact`, `reference`,
+    /// `picture`, `depth`.
     pub name: String,
     /// Texels across.
     pub width: u32,

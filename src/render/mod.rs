@@ -4,7 +4,9 @@
 //! out of view has no pass, no texture and no instruction; the [`Ledger`] tells.
 
 mod beam;
+mod cones;
 mod cube;
+mod distances;
 mod drape;
 mod error;
 mod frame;
@@ -19,6 +21,7 @@ mod present;
 mod probe;
 mod sky_map;
 mod skybox;
+mod split;
 mod terrain;
 #[cfg(test)]
 mod tests;
@@ -29,26 +32,30 @@ use std::sync::Arc;
 use crate::gpu::{DEPTH_CLEAR, FrameTimer, Gpu, Target};
 use crate::heightfield::colour::Diffuse;
 use crate::heightfield::{EditedTerrain, HeightField};
-use crate::scene::Scene;
+use crate::scene::{DebugView, Scene};
 
 pub use error::RenderError;
-pub use heat_map::heat_map_colour;
+pub use heat_map::{COVERS_SKY, ERROR_DECADES, SEE_THROUGH, SKY_BOTH, error_colour, heat_map_colour};
 pub use ledger::{Ledger, TextureEntry};
 pub use probe::Probe;
 
 use beam::Beams;
 use cube::Cube;
+use distances::ExactDistances;
 use drape::Drape;
 use frame::FrameBindings;
 use ground::Ground;
 use occluder::CubeBindings;
 use pipelines::{PipelineKey, Pipelines};
-use prepare::{Draw, Passes};
+use prepare::{Aim, Draw, Passes};
 use skybox::Skybox;
 use terrain::TerrainBindings;
 
 /// Background where there is no skybox, linear light: a pale grey-blue.
 const BACKGROUND: wgpu::Color = wgpu::Color { r: 0.35, g: 0.42, b: 0.5, a: 1.0 };
+
+/// How long a renderer that goes away waits for its last frames: a lost device may never finish them.
+const LAST_WAIT: std::time::Duration = std::time::Duration::from_secs(10);
 
 /// Draws scenes into targets; never sees a window.
 #[derive(Debug)]
@@ -64,6 +71,10 @@ pub struct Renderer {
     drape: Option<Drape>,
     skybox: Option<Skybox>,
     beams: Option<Beams>,
+    /// Exact distances that a frame of the error view finds itself.
+    exact: Option<ExactDistances>,
+    /// Exact distances that were given to the error view.
+    reference: Option<ExactDistances>,
     timer: FrameTimer,
     ledger: Ledger,
     /// Draws of the passes that were noted since the last scene frame, by name.
@@ -96,6 +107,15 @@ impl PreparedTerrain {
     }
 }
 
+impl Drop for Renderer {
+    /// Waits for the frames in flight: where they are the program's last, a software driver would still be compiling
+    /// shaders for them while the end of the program takes its compiler down.
+    fn drop(&mut self) {
+        let wait = wgpu::PollType::Wait { submission_index: None, timeout: Some(LAST_WAIT) };
+        let _ = self.gpu.device.poll(wait);
+    }
+}
+
 impl Renderer {
     /// A renderer without a terrain. Pipelines are built on first use.
     ///
@@ -113,6 +133,8 @@ impl Renderer {
             drape: None,
             skybox: None,
             beams: None,
+            exact: None,
+            reference: None,
             timer: FrameTimer::new(&gpu),
             ledger: Ledger::default(),
             shown: Vec::new(),
@@ -173,7 +195,7 @@ impl Renderer {
     /// # Errors
     /// [`RenderError`]; nothing is drawn then, and the target keeps its picture.
     pub fn draw(&mut self, scene: &Scene, target: &Target) -> Result<(), RenderError> {
-        self.draw_counting(scene, target, None)
+        self.draw_aimed(scene, target, Aim::Picture, None)
     }
 
     /// Draws like [`Self::draw`] and counts the pixels that the skybox shades (`ledger.sky_pixels`). Waits for the GPU.
@@ -183,35 +205,41 @@ impl Renderer {
     pub fn count_sky_pixels(&mut self, scene: &Scene, target: &Target) -> Result<u64, RenderError> {
         let gpu = Arc::clone(&self.gpu);
         let counter = probe::PixelCounter::new(&gpu);
-        self.draw_counting(scene, target, Some(&counter))?;
+        self.draw_aimed(scene, target, Aim::Picture, Some(&counter))?;
         let pixels = if self.ledger.passes.iter().any(|pass| pass == "skybox") { counter.read(&gpu)? } else { 0 };
         self.ledger.sky_pixels = Some(pixels);
         Ok(pixels)
     }
 
-    fn draw_counting(
+    fn draw_aimed(
         &mut self,
         scene: &Scene,
         target: &Target,
+        aim: Aim<'_>,
         counter: Option<&probe::PixelCounter>,
     ) -> Result<(), RenderError> {
         self.check_device()?;
-        let passes = self.prepare(scene, target.size(), false)?;
+        let passes = self.prepare(scene, target.size(), aim)?;
         let mut encoder =
             self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("frame") });
         self.encode_beams(&mut encoder, &passes, self.timer.writes(true, false));
+        if let Some(draw) = &passes.exact {
+            let first = passes.beam.is_none();
+            self.encode_exact(&mut encoder, draw, &target.depth_view, self.timer.writes(first, false));
+        }
+        let background = if scene.debug.view == DebugView::Error { heat_map::sky_both() } else { BACKGROUND };
         {
             let attachments = [Some(wgpu::RenderPassColorAttachment {
                 view: &target.color_view,
                 depth_slice: None,
                 resolve_target: None,
-                ops: wgpu::Operations { load: wgpu::LoadOp::Clear(BACKGROUND), store: wgpu::StoreOp::Store },
+                ops: wgpu::Operations { load: wgpu::LoadOp::Clear(background), store: wgpu::StoreOp::Store },
             })];
             let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                 label: Some("scene"),
                 color_attachments: &attachments,
                 depth_stencil_attachment: Some(clear_depth(&target.depth_view)),
-                timestamp_writes: self.timer.writes(passes.beam.is_none(), true),
+                timestamp_writes: self.timer.writes(passes.beam.is_none() && passes.exact.is_none(), true),
                 occlusion_query_set: counter.map(probe::PixelCounter::queries),
                 multiview_mask: None,
             });
@@ -302,13 +330,13 @@ impl Renderer {
         passes: &Passes,
         timestamps: Option<wgpu::RenderPassTimestampWrites<'_>>,
     ) {
-        if let (Some((built, group)), Some(beams)) = (&passes.beam, &self.beams) {
+        if let (Some(pass), Some(beams)) = (&passes.beam, &self.beams) {
             #[cfg(test)]
             if let (true, Some(ground)) = (self.whole_rays, &self.ground) {
                 beams.clear(encoder, ground.top_size());
                 return;
             }
-            beams.encode(encoder, built, &self.frame.group, group, timestamps);
+            beams.encode(encoder, &pass.built, &self.frame.group, &pass.group, pass.area, timestamps);
         }
     }
 
@@ -316,6 +344,7 @@ impl Renderer {
         pass.set_pipeline(&draw.built.pipeline);
         pass.set_bind_group(0, &self.frame.group, &[]);
         pass.set_bind_group(1, &draw.group, &[]);
+        draw.area.scissor(pass);
         if draw.edges {
             self.cube.draw_edges(pass);
         } else {
@@ -331,15 +360,17 @@ impl Renderer {
         textures.extend(self.drape.as_ref().and_then(Drape::entry));
         textures.extend(self.skybox.as_ref().map(Skybox::entry));
         textures.extend(self.beams.as_ref().map(Beams::entry));
+        textures.extend(self.exact.as_ref().or(self.reference.as_ref()).map(ExactDistances::entry));
         textures.push(TextureEntry::of("picture", &target.color));
         textures.push(TextureEntry::of("depth", &target.depth));
-        let beam = passes.beam.as_ref().map(|_| "beam").into_iter();
-        let terrain = passes.draws.iter().find(|draw| draw.name == "terrain");
+        let before = passes.beam.iter().map(|_| "beam").chain(passes.exact.iter().map(|draw| draw.name));
+        let before: Vec<_> = before.collect();
+        let terrain = passes.draws.iter().find(|draw| matches!(draw.name, "terrain" | "compare"));
         self.shown.clear();
         self.ledger = Ledger {
-            passes: beam.chain(passes.draws.iter().map(|draw| draw.name)).map(str::to_owned).collect(),
+            draws: (passes.draws.len() + before.len()) as u32,
+            passes: before.into_iter().chain(passes.draws.iter().map(|draw| draw.name)).map(str::to_owned).collect(),
             pipelines: self.pipelines.names(),
-            draws: passes.draws.len() as u32 + u32::from(passes.beam.is_some()),
             texture_bytes: textures.iter().map(|texture| texture.bytes).sum(),
             textures,
             shader_defs: terrain

@@ -5,13 +5,15 @@ use std::rc::Rc;
 use glam::{DMat4, DVec3, DVec4};
 
 use crate::camera::{Camera, NamedView};
-use crate::scene::Scene;
+use crate::scene::{DebugView, Scene};
 
 use super::beam::Beams;
 use super::cube::{clip_corners, in_view};
+use super::distances::ExactDistances;
 use super::frame::FrameUniform;
 use super::pipelines::{Built, PipelineKey};
 use super::skybox::Skybox;
+use super::split::{Area, Side, sides};
 use super::terrain::{TerrainKey, TerrainUniform, Textures};
 use super::{RenderError, Renderer, occluder, terrain, wireframe};
 
@@ -21,14 +23,36 @@ pub(super) struct Draw {
     pub(super) built: Rc<Built>,
     pub(super) group: wgpu::BindGroup,
     pub(super) edges: bool,
+    /// The part of the picture that it draws.
+    pub(super) area: Area,
+}
+
+/// The beam pass: pipeline, bind group, and the part of the picture whose rays start from beams.
+pub(super) struct BeamPass {
+    pub(super) built: Rc<Built>,
+    pub(super) group: wgpu::BindGroup,
+    pub(super) area: Area,
 }
 
 /// What a frame or a probe draws.
 pub(super) struct Passes {
-    /// The beam pass's pipeline and bind group, where the terrain's technique starts from beams.
-    pub(super) beam: Option<(Rc<Built>, wgpu::BindGroup)>,
+    /// There where a technique starts from beams.
+    pub(super) beam: Option<BeamPass>,
+    /// Finds the exact distances, for the error view.
+    pub(super) exact: Option<Draw>,
     /// Draws of the scene's pass, in their order.
     pub(super) draws: Vec<Draw>,
+}
+
+/// What a frame is drawn for.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Aim<'a> {
+    /// A picture.
+    Picture,
+    /// A picture whose terrain lies at the distances in this texture.
+    Given(&'a wgpu::TextureView),
+    /// Distances and steps.
+    Probe,
 }
 
 /// Where things are in a frame.
@@ -42,15 +66,22 @@ pub(super) struct View {
 impl Renderer {
     /// Brings textures and uniforms up to date with `scene`; returns what to draw. Where that fails nothing is drawn; the
     /// next frame brings up to date whatever then differs.
-    pub(super) fn prepare(&mut self, scene: &Scene, size: [u32; 2], probe: bool) -> Result<Passes, RenderError> {
+    pub(super) fn prepare(&mut self, scene: &Scene, size: [u32; 2], aim: Aim<'_>) -> Result<Passes, RenderError> {
         let view = self.view(scene, size);
-        let key = TerrainKey::of(scene, probe);
+        let probe = matches!(aim, Aim::Probe);
+        let terrains = terrains(scene, size, aim);
         if !probe {
-            self.prepare_drape(scene, key)?;
+            self.prepare_drape(scene, terrains.iter().any(|(_, key)| key.diffuse))?;
             self.prepare_skybox(scene)?;
         }
+        let exact = self.prepare_exact(scene, &view, size, probe);
+        let whole = Area::whole(size);
+        let beamed = terrains.iter().map(|(side, key)| (side.area, *key)).chain(exact.map(|key| (whole, key)));
+        let beamed = beamed.filter(|(_, key)| key.needs_pyramid()).map(|(area, _)| area).reduce(Area::union);
         if let Some(ground) = &mut self.ground {
-            ground.prepare(&self.gpu, &scene.craters, key.needs_pyramid());
+            ground.prepare(&self.gpu, &scene.craters, beamed.is_some());
+            let kinds: Vec<_> = terrains.iter().filter_map(|(_, key)| key.needs_cones()).collect();
+            ground.prepare_cones(&self.gpu, &kinds, &|_| {});
             if !probe && let Some(rect) = ground.take_changed() {
                 let field = ground.terrain().field();
                 self.uploaded += self.drape.as_mut().map_or(0, |drape| drape.update(&self.gpu, field, rect));
@@ -59,23 +90,66 @@ impl Renderer {
         }
         let frame = FrameUniform::new(&view.camera, size, view.extent, scene.skybox.flattening);
         self.frame.write(&self.gpu, &frame);
+        self.prepare_beams(&view, size, beamed.is_some());
 
         let mut draws = Vec::new();
-        self.prepare_beams(&view, size, key);
-        draws.extend(self.terrain_draw(scene, &view, key)?);
-        let beam = if draws.is_empty() { None } else { self.beam_pass()? };
+        for (side, key) in terrains {
+            draws.extend(self.terrain_draw(scene, &view, side, key, aim)?);
+        }
+        let exact = match exact {
+            Some(key) => {
+                let side = Side { name: "exact", technique: key.technique, area: whole };
+                self.terrain_draw(scene, &view, side, key, Aim::Probe)?
+            }
+            None => None,
+        };
+        let beam = match beamed.filter(|_| !draws.is_empty()) {
+            Some(area) => self.beam_pass(area)?,
+            None => None,
+        };
         if scene.debug.wireframe && !probe {
-            draws.extend(self.wireframe_draw(&view)?);
+            draws.extend(self.wireframe_draw(&view, whole)?);
         }
         if scene.occluder.enabled {
-            draws.extend(self.occluder_draw(scene, &view, probe)?);
+            draws.extend(self.occluder_draw(scene, &view, whole, probe)?);
         }
         if !probe && let Some(skybox) = &self.skybox {
             let built = self.pipelines.get(&self.gpu, &self.frame.layout, PipelineKey::Skybox)?;
             let group = skybox.group(&self.gpu, &built);
-            draws.push(Draw { name: "skybox", built, group, edges: false });
+            draws.push(Draw { name: "skybox", built, group, edges: false, area: whole });
         }
-        Ok(Passes { beam, draws })
+        Ok(Passes { beam, exact, draws })
+    }
+
+    /// Keeps the texture of exact distances while the error view needs one of its own; what has to be drawn into it.
+    fn prepare_exact(&mut self, scene: &Scene, view: &View, size: [u32; 2], probe: bool) -> Option<TerrainKey> {
+        if probe {
+            return None;
+        }
+        if scene.debug.view != DebugView::Error {
+            (self.exact, self.reference) = (None, None);
+            return None;
+        }
+        self.reference.take_if(|reference| reference.size() != size);
+        if self.reference.is_some() || !self.shows_terrain(view) {
+            self.exact = None;
+            return None;
+        }
+        if self.exact.as_ref().is_none_or(|exact| exact.size() != size) {
+            self.exact = Some(ExactDistances::new(&self.gpu, size));
+        }
+        Some(TerrainKey::of_exact_distances(scene))
+    }
+
+    /// Finds what the technique of `scene` needs to know of the terrain, so that the next frame need not: its cone map,
+    /// where it steps along cones. `progress` hears the share that is done, 0 to 1, from any thread. Kept until the
+    /// ground changes; then, and without this call, a frame finds it by itself.
+    pub fn prepare_cones(&mut self, scene: &Scene, progress: &(dyn Fn(f32) + Sync)) {
+        let key = TerrainKey::of(scene, false);
+        let (Some(ground), Some(kind)) = (&mut self.ground, key.needs_cones()) else { return };
+        ground.prepare(&self.gpu, &scene.craters, key.needs_pyramid());
+        ground.prepare_cones(&self.gpu, &[kind], progress);
+        self.uploaded += ground.take_uploaded();
     }
 
     fn view(&self, scene: &Scene, size: [u32; 2]) -> View {
@@ -93,9 +167,9 @@ impl Renderer {
         View { camera, clip_from_world: camera.clip_from_world(size), extent }
     }
 
-    fn prepare_drape(&mut self, scene: &Scene, key: TerrainKey) -> Result<(), RenderError> {
+    fn prepare_drape(&mut self, scene: &Scene, shown: bool) -> Result<(), RenderError> {
         let Some(drape) = &mut self.drape else { return Ok(()) };
-        if !key.diffuse {
+        if !shown {
             drape.drop_texture();
             return Ok(());
         }
@@ -110,7 +184,8 @@ impl Renderer {
     }
 
     fn prepare_skybox(&mut self, scene: &Scene) -> Result<(), RenderError> {
-        if !scene.skybox.enabled {
+        // In the error view the sky is where nothing is wrong: it must not look like anything.
+        if !scene.skybox.enabled || scene.debug.view == DebugView::Error {
             self.skybox = None;
         } else if !self.skybox.as_ref().is_some_and(|skybox| skybox.matches(scene)) {
             let (skybox, uploaded) = Skybox::new(&self.gpu, scene)?;
@@ -121,26 +196,33 @@ impl Renderer {
     }
 
     /// Keeps room for the starts of the picture's tiles while the terrain is in view and walked from them.
-    fn prepare_beams(&mut self, view: &View, size: [u32; 2], key: TerrainKey) {
-        if !key.needs_pyramid() || !self.shows_terrain(view) {
+    fn prepare_beams(&mut self, view: &View, size: [u32; 2], needed: bool) {
+        if !needed || !self.shows_terrain(view) {
             self.beams = None;
         } else if self.beams.as_ref().is_none_or(|beams| beams.size() != size) {
             self.beams = Some(Beams::new(&self.gpu, size));
         }
     }
 
-    pub(super) fn beam_pass(&mut self) -> Result<Option<(Rc<Built>, wgpu::BindGroup)>, RenderError> {
+    fn beam_pass(&mut self, area: Area) -> Result<Option<BeamPass>, RenderError> {
         let (Some(_), Some(ground)) = (&self.beams, &self.ground) else { return Ok(None) };
         let built = self.pipelines.get(&self.gpu, &self.frame.layout, PipelineKey::Beam)?;
         let group = self.terrain.beam_group(&self.gpu, &built, ground);
-        Ok(group.map(|group| (built, group)))
+        Ok(group.map(|group| BeamPass { built, group, area }))
     }
 
     fn shows_terrain(&self, view: &View) -> bool {
         self.ground.is_some() && in_view(&clip_corners(view.clip_from_world, terrain::world_from_box(view.extent)))
     }
 
-    fn terrain_draw(&mut self, scene: &Scene, view: &View, key: TerrainKey) -> Result<Option<Draw>, RenderError> {
+    fn terrain_draw(
+        &mut self,
+        scene: &Scene,
+        view: &View,
+        side: Side,
+        key: TerrainKey,
+        aim: Aim<'_>,
+    ) -> Result<Option<Draw>, RenderError> {
         let Some(ground) = &self.ground else { return Ok(None) };
         let box_clip = clip_corners(view.clip_from_world, terrain::world_from_box(view.extent));
         if !in_view(&box_clip) {
@@ -155,12 +237,18 @@ impl Renderer {
         }
         let built = self.pipelines.get(&self.gpu, &self.frame.layout, PipelineKey::Terrain(key))?;
         let uniform = TerrainUniform::new(scene, ground, self.drape.as_ref(), view.extent, &box_clip);
-        let textures = Textures { ground, drape: self.drape.as_ref(), beams: self.beams.as_ref() };
+        let textures = Textures {
+            ground,
+            drape: self.drape.as_ref(),
+            beams: self.beams.as_ref(),
+            given: if let Aim::Given(distances) = aim { Some(distances) } else { None },
+            exact: self.reference.as_ref().or(self.exact.as_ref()).map(ExactDistances::view),
+        };
         let group = self.terrain.prepare(&self.gpu, &built, key, &uniform, &textures);
-        Ok(group.map(|group| Draw { name: "terrain", built, group, edges: false }))
+        Ok(group.map(|group| Draw { name: side.name, built, group, edges: false, area: side.area }))
     }
 
-    fn wireframe_draw(&mut self, view: &View) -> Result<Option<Draw>, RenderError> {
+    fn wireframe_draw(&mut self, view: &View, area: Area) -> Result<Option<Draw>, RenderError> {
         // A little outside the box, so that its own walls do not cut the edges into dashes.
         let clip: [DVec4; 8] = clip_corners(view.clip_from_world, terrain::world_from_box(view.extent));
         if self.ground.is_none() || !in_view(&clip) {
@@ -168,10 +256,16 @@ impl Renderer {
         }
         let built = self.pipelines.get(&self.gpu, &self.frame.layout, PipelineKey::Wireframe)?;
         let group = self.wireframe.prepare(&self.gpu, &built, &wireframe::uniform(&clip));
-        Ok(Some(Draw { name: "wireframe", built, group, edges: true }))
+        Ok(Some(Draw { name: "wireframe", built, group, edges: true, area }))
     }
 
-    fn occluder_draw(&mut self, scene: &Scene, view: &View, probe: bool) -> Result<Option<Draw>, RenderError> {
+    fn occluder_draw(
+        &mut self,
+        scene: &Scene,
+        view: &View,
+        area: Area,
+        probe: bool,
+    ) -> Result<Option<Draw>, RenderError> {
         let Some(ground) = &self.ground else { return Ok(None) };
         let world_from_cube = occluder::world_from_cube(&scene.occluder, ground.terrain().base(), view.extent);
         let clip = clip_corners(view.clip_from_world, world_from_cube);
@@ -181,6 +275,17 @@ impl Renderer {
         let built = self.pipelines.get(&self.gpu, &self.frame.layout, PipelineKey::Occluder { probe })?;
         let group =
             self.occluder.prepare(&self.gpu, &built, &occluder::uniform(&clip, world_from_cube, &scene.lighting));
-        Ok(Some(Draw { name: "occluder", built, group, edges: false }))
+        Ok(Some(Draw { name: "occluder", built, group, edges: false, area }))
     }
+}
+
+/// The terrain's draws: the parts of the picture, and the pipeline of each.
+fn terrains(scene: &Scene, size: [u32; 2], aim: Aim<'_>) -> Vec<(Side, TerrainKey)> {
+    let probe = matches!(aim, Aim::Probe);
+    if let Aim::Given(_) = aim {
+        let side = Side { name: "terrain", technique: scene.march.technique, area: Area::whole(size) };
+        return vec![(side, TerrainKey::of(scene, false).with_given_distances())];
+    }
+    let key = |side: Side| (side, TerrainKey::of_technique(scene, side.technique, probe));
+    sides(scene, size).into_iter().map(key).collect()
 }

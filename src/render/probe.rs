@@ -1,8 +1,9 @@
 //! Distances and steps of every pixel, and the number of pixels that a draw shades: for tables, tests and `--depth`.
 
-use crate::gpu::{DEPTH_FORMAT, Gpu, PROBE_FORMAT, ReadbackError, map_and_wait, read_texture, sized_texture};
+use crate::gpu::{DEPTH_FORMAT, Gpu, PROBE_FORMAT, ReadbackError, Target, map_and_wait, read_texture, sized_texture};
 use crate::scene::Scene;
 
+use super::prepare::Aim;
 use super::{RenderError, Renderer, clear_depth};
 
 /// Distances and steps of every pixel of a view.
@@ -36,7 +37,7 @@ impl Renderer {
     pub fn probe(&mut self, scene: &Scene, size: [u32; 2]) -> Result<Probe, RenderError> {
         self.check_device()?;
         let size = size.map(|side| side.clamp(1, self.gpu.capabilities.max_texture));
-        let passes = self.prepare(scene, size, true)?;
+        let passes = self.prepare(scene, size, Aim::Probe)?;
         let color = sized_texture(&self.gpu, "probe", size, PROBE_FORMAT, &[]);
         let depth = sized_texture(&self.gpu, "probe depth", size, DEPTH_FORMAT, &[]);
         let view = color.create_view(&wgpu::TextureViewDescriptor::default());
@@ -75,6 +76,20 @@ impl Renderer {
             steps: texels.iter().map(|texel| texel[1] as u32).collect(),
             cap_hits: texels.iter().filter(|texel| texel[2] > 0.0).count() as u32,
         })
+    }
+}
+
+impl Renderer {
+    /// Draws a frame of `scene` into `target` and waits for it: its time in milliseconds. Leaves the ledger as it is.
+    ///
+    /// # Errors
+    /// As [`Renderer::draw`] and [`Renderer::wait_frame_time`].
+    pub fn time(&mut self, scene: &Scene, target: &Target) -> Result<f64, RenderError> {
+        let (ledger, shown) = (self.ledger.clone(), self.shown.clone());
+        let drawn = self.draw(scene, target);
+        (self.ledger, self.shown) = (ledger, shown);
+        drawn?;
+        self.wait_frame_time()
     }
 }
 

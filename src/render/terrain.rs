@@ -5,6 +5,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::{DMat4, DVec3, DVec4, Vec3};
 
 use crate::gpu::Gpu;
+use crate::heightfield::ConeKind;
 use crate::scene::{CraterMode, DebugView, HeightFilter, Scene, Technique};
 
 use super::beam::Beams;
@@ -16,6 +17,11 @@ use super::pipelines::{Built, PassDescription};
 /// The drawn box is larger than the terrain's by this share of its longest side, so that the rasteriser's rounding
 /// cuts off no ray that still meets the terrain; rays beside the true box are dropped in the shader.
 const INFLATION: f64 = 1e-3;
+
+/// Binding of the texture of distances that are given.
+const GIVEN_DISTANCES: u32 = 12;
+/// Binding of the texture of distances to compare with.
+const EXACT_DISTANCES: u32 = 13;
 
 /// What the pass writes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -38,38 +44,91 @@ pub(super) struct TerrainKey {
     pub(super) lighting: bool,
     pub(super) diffuse: bool,
     pub(super) layered: bool,
+    /// Hits are read from a texture of distances, and no ray is cast.
+    pub(super) given: bool,
     pub(super) output: Output,
 }
 
 impl TerrainKey {
     /// The pipeline that `scene` needs for a picture, or for a probe of it.
     pub(super) fn of(scene: &Scene, probe: bool) -> Self {
+        Self::of_technique(scene, scene.march.technique, probe)
+    }
+
+    /// The same with another technique than the scene's.
+    pub(super) fn of_technique(scene: &Scene, technique: Technique, probe: bool) -> Self {
         let march = &scene.march;
-        let samples = march.technique.samples_uniformly();
         let output = if probe { Output::Probe } else { Output::View(scene.debug.view) };
         let shaded = output == Output::View(DebugView::None);
         let key = Self {
-            technique: march.technique,
-            filter: if samples { march.filter } else { HeightFilter::Exact },
-            steps_by_angle: samples && march.steps_by_angle,
+            technique,
+            filter: if technique.samples_uniformly() { march.filter } else { HeightFilter::Exact },
+            steps_by_angle: technique.counts_samples() && march.steps_by_angle,
             lower_start: march.lower_start,
-            discard_misses: march.discard_misses,
+            // A miss is an error to be shown, whatever a picture would show in its place.
+            discard_misses: march.discard_misses || output == Output::View(DebugView::Error),
             lighting: shaded && scene.lighting.enabled,
             diffuse: shaded && scene.diffuse.enabled,
             layered: scene.craters.mode == CraterMode::Layered && !scene.craters.list.is_empty(),
+            given: false,
             output,
         };
-        if key.marches() { key } else { Self::without_rays() }
+        if key.finds_ground() { key } else { Self::without_rays() }
     }
 
-    /// Whether rays are cast at all.
-    pub(super) fn marches(&self) -> bool {
+    /// What finds the exact distances of `scene`, for the error view.
+    pub(super) fn of_exact_distances(scene: &Scene) -> Self {
+        Self { discard_misses: true, ..Self::of_technique(scene, Technique::MaxMipmap, true) }
+    }
+
+    /// The same picture from given distances: how hits would be found does not matter then.
+    pub(super) fn with_given_distances(self) -> Self {
+        if !self.finds_ground() {
+            return self;
+        }
+        let key = Self {
+            technique: Technique::default(),
+            filter: HeightFilter::Exact,
+            steps_by_angle: false,
+            lower_start: true,
+            given: true,
+            ..self
+        };
+        Self { layered: key.layered && key.reads_heights(), ..key }
+    }
+
+    /// Whether the pass finds out where the ground is.
+    fn finds_ground(&self) -> bool {
         self.output != Output::View(DebugView::Position)
+    }
+
+    /// Whether rays are cast.
+    pub(super) fn marches(&self) -> bool {
+        self.finds_ground() && !self.given
+    }
+
+    /// Whether heights are read: by the rays, or for normals alone.
+    fn reads_heights(&self) -> bool {
+        self.marches() || self.needs_normals()
+    }
+
+    fn needs_normals(&self) -> bool {
+        self.lighting || self.output == Output::View(DebugView::Normals)
+    }
+
+    /// Whether hits are compared with the exact distances.
+    pub(super) fn needs_exact_distances(&self) -> bool {
+        self.output == Output::View(DebugView::Error)
     }
 
     /// Whether the technique walks the maximum pyramid.
     pub(super) fn needs_pyramid(&self) -> bool {
         self.marches() && self.technique == Technique::MaxMipmap
+    }
+
+    /// The cone map that the technique steps along.
+    pub(super) fn needs_cones(&self) -> Option<ConeKind> {
+        self.technique.cones().filter(|_| self.marches())
     }
 
     /// Whether heights are read through the sampler's linear filter.
@@ -87,6 +146,7 @@ impl TerrainKey {
             lighting: false,
             diffuse: false,
             layered: false,
+            given: false,
             output: Output::View(DebugView::Position),
         }
     }
@@ -115,7 +175,12 @@ impl TerrainKey {
                     scene.craters.mode = CraterMode::Layered;
                     scene.craters.list.push(scene.craters.brush_at(0.5, 0.5));
                 }
-                keys.insert(Self::of(&scene, bit(6)));
+                let key = Self::of(&scene, bit(6));
+                keys.insert(key);
+                keys.insert(Self::of_exact_distances(&scene));
+                if !bit(6) {
+                    keys.insert(key.with_given_distances());
+                }
             }
         }
         keys.into_iter().collect()
@@ -123,7 +188,6 @@ impl TerrainKey {
 
     fn defs(&self) -> Vec<&'static str> {
         let shaded = self.output == Output::View(DebugView::None);
-        let normals = self.lighting || self.output == Output::View(DebugView::Normals);
         [
             (self.filter == HeightFilter::HardwareLinear, "FILTER_HARDWARE_LINEAR"),
             (self.filters_heights(), "HEIGHT_SAMPLER"),
@@ -136,10 +200,12 @@ impl TerrainKey {
             (shaded, "SHADED"),
             (self.lighting, "LIGHTING"),
             (self.diffuse, "DIFFUSE_TEXTURE"),
-            (normals, "SURFACE_NORMAL"),
+            (self.needs_normals(), "SURFACE_NORMAL"),
+            (self.given, "GIVEN_DISTANCES"),
             (self.output == Output::Probe, "PROBE"),
             (self.output == Output::View(DebugView::Position), "VIEW_POSITION"),
             (self.output == Output::View(DebugView::Steps), "VIEW_STEPS"),
+            (self.needs_exact_distances(), "VIEW_ERROR"),
             (self.output == Output::View(DebugView::Normals), "VIEW_NORMALS"),
             (self.output == Output::View(DebugView::Distance), "VIEW_DISTANCE"),
         ]
@@ -152,6 +218,9 @@ impl TerrainKey {
         match self.technique {
             Technique::Linear => "march/linear.wgsl",
             Technique::LinearBinary => "march/linear-binary.wgsl",
+            Technique::Secant => "march/secant.wgsl",
+            Technique::Cone => "march/cone.wgsl",
+            Technique::RelaxedCone => "march/relaxed-cone.wgsl",
             Technique::MaxMipmap => "march/max-mipmap.wgsl",
         }
     }
@@ -162,19 +231,35 @@ pub(super) fn describe(key: TerrainKey) -> PassDescription {
     let mut bindings = vec![uniform_entry::<TerrainUniform>(0)];
     let mut modules = vec!["frame.wgsl", "heightfield.wgsl", "varyings.wgsl"];
     let mut name = "terrain".to_owned();
-    if key.marches() {
+    if key.reads_heights() {
         bindings.extend([texture_entry(1, filtered, false), corner_sampler_entry(7)]);
+    }
+    if key.marches() {
         if key.needs_pyramid() {
             modules.push("pyramid.wgsl");
         }
-        modules.extend(["sampling.wgsl", key.march_file(), "shading.wgsl"]);
+        modules.push("sampling.wgsl");
+        if key.needs_cones().is_some() {
+            modules.push("cones.wgsl");
+        }
+        modules.extend([key.march_file(), "shading.wgsl"]);
         name = format!("terrain {}", key.technique.name());
+    } else if key.given {
+        bindings.push(texture_entry(GIVEN_DISTANCES, false, false));
+        modules.push("shading.wgsl");
+        name = "terrain of given distances".to_owned();
+    }
+    if key.needs_exact_distances() {
+        bindings.push(texture_entry(EXACT_DISTANCES, false, false));
     }
     if filtered {
         bindings.push(sampler_entry(2));
     }
     if key.needs_pyramid() {
         bindings.extend([texture_entry(3, false, false), texture_entry(8, false, false)]);
+    }
+    if key.needs_cones().is_some() {
+        bindings.push(texture_entry(9, false, false));
     }
     if key.layered {
         bindings.push(texture_entry(4, filtered, false));
@@ -188,7 +273,7 @@ pub(super) fn describe(key: TerrainKey) -> PassDescription {
         modules,
         defs,
         bindings,
-        casts_rays: key.marches(),
+        casts_rays: key.finds_ground(),
         // The far side of the box: it is there from inside the box, too.
         cull: Some(wgpu::Face::Front),
         ..PassDescription::scene("terrain", "terrain.wgsl", key.output == Output::Probe)
@@ -281,6 +366,10 @@ pub(super) struct Textures<'a> {
     pub(super) ground: &'a Ground,
     pub(super) drape: Option<&'a Drape>,
     pub(super) beams: Option<&'a Beams>,
+    /// Distances to read instead of casting rays.
+    pub(super) given: Option<&'a wgpu::TextureView>,
+    /// Distances to compare with.
+    pub(super) exact: Option<&'a wgpu::TextureView>,
 }
 
 /// The pass's uniform buffer and samplers.
@@ -327,11 +416,17 @@ impl TerrainBindings {
         uniform: &TerrainUniform,
         textures: &Textures<'_>,
     ) -> Option<wgpu::BindGroup> {
-        let &Textures { ground, drape, beams } = textures;
+        let &Textures { ground, drape, beams, given, exact } = textures;
         gpu.queue.write_buffer(&self.buffer, 0, bytemuck::bytes_of(uniform));
         let view = wgpu::BindingResource::TextureView;
         let mut entries = vec![(0, self.buffer.as_entire_binding())];
-        if key.marches() {
+        if key.given {
+            entries.push((GIVEN_DISTANCES, view(given?)));
+        }
+        if key.needs_exact_distances() {
+            entries.push((EXACT_DISTANCES, view(exact?)));
+        }
+        if key.reads_heights() {
             entries.extend([(1, view(ground.heights())), (7, wgpu::BindingResource::Sampler(&self.corner_sampler))]);
         }
         if key.filters_heights() {
@@ -339,6 +434,9 @@ impl TerrainBindings {
         }
         if key.needs_pyramid() {
             entries.extend([(3, view(ground.pyramid()?)), (8, view(beams?.starts()))]);
+        }
+        if let Some(kind) = key.needs_cones() {
+            entries.push((9, view(ground.cones(kind)?)));
         }
         if key.layered {
             entries.push((4, view(ground.layer()?.0)));

@@ -65,6 +65,9 @@ const CAMERA: &[Row] = &[
 const MARCH: &[Row] = &[
     ("Technique", Choose("linear"), "/scene/march/technique", Pipeline("terrain linear ")),
     ("Technique", Choose("max-mipmap"), "/scene/march/technique", Pipeline("terrain max-mipmap ")),
+    ("Technique", Choose("secant"), "/scene/march/technique", Pipeline("terrain secant ")),
+    ("Technique", Choose("cone"), "/scene/march/technique", Pipeline("terrain cone ")),
+    ("Technique", Choose("relaxed-cone"), "/scene/march/technique", Pipeline("terrain relaxed-cone ")),
     ("Technique", Choose("linear-binary"), "/scene/march/technique", Pipeline("terrain linear-binary ")),
     ("Fewest samples", Slide(0.4), "/scene/march/samples_min", Nothing),
     ("Fewest samples value", Number("20"), "/scene/march/samples_min", Nothing),
@@ -78,6 +81,13 @@ const MARCH: &[Row] = &[
     ("Steps by angle", Click, "/scene/march/steps_by_angle", NoDef("STEPS_BY_ANGLE")),
     ("Lower start", Click, "/scene/march/lower_start", NoDef("LOWER_START")),
     ("Discard misses", Click, "/scene/march/discard_misses", NoDef("DISCARD_MISSES")),
+];
+
+const COMPARE: &[Row] = &[
+    ("Enable compare", Click, "/scene/compare/enabled", Pass("compare")),
+    ("Compare with", Choose("linear"), "/scene/compare/technique", Pipeline("terrain linear ")),
+    ("Split", Slide(0.7), "/scene/compare/share", Nothing),
+    ("Split value", Number("0.6"), "/scene/compare/share", Nothing),
 ];
 
 const DIFFUSE: &[Row] = &[
@@ -147,6 +157,7 @@ const CRATERS: &[Row] = &[
 
 const DEBUG: &[Row] = &[
     ("Debug view", Choose("position"), "/scene/debug/view", Def("VIEW_POSITION")),
+    ("Debug view", Choose("error"), "/scene/debug/view", Def("VIEW_ERROR")),
     ("Debug view", Choose("normals"), "/scene/debug/view", Def("VIEW_NORMALS")),
     ("Debug view", Choose("distance"), "/scene/debug/view", Def("VIEW_DISTANCE")),
     ("Debug view", Choose("none"), "/scene/debug/view", Def("SHADED")),
@@ -165,10 +176,11 @@ const FRAME: &[Row] = &[
 ];
 
 /// Sections, their rows, what their reset button is called, and the part of the scene it restores.
-const SECTIONS: [(&str, &[Row], &str, &str); 10] = [
+const SECTIONS: [(&str, &[Row], &str, &str); 11] = [
     ("Terrain", TERRAIN, "Reset terrain", "/terrain"),
     ("Camera", CAMERA, "Reset camera", "/camera"),
     ("March", MARCH, "Reset march", "/march"),
+    ("Compare", COMPARE, "Reset compare", "/compare"),
     ("Diffuse", DIFFUSE, "Reset diffuse", "/diffuse"),
     ("Lighting", LIGHTING, "Reset lighting", "/lighting"),
     ("Skybox", SKYBOX, "Reset skybox", "/skybox"),
@@ -179,7 +191,10 @@ const SECTIONS: [(&str, &[Row], &str, &str); 10] = [
 ];
 
 /// Widgets that are used outside the table, and where.
-const ELSEWHERE: [(&str, &str); 8] = [
+const ELSEWHERE: [(&str, &str); 11] = [
+    ("Tradeoff", "opened by the test of comparing, and below"),
+    ("Measure techniques", "pressed by the test of comparing"),
+    ("Reset tradeoff", "pressed by the test of comparing"),
     ("Ledger", "a section without controls; opened below"),
     ("Terrain file", "typed in by the test of typing"),
     ("Open terrain", "pressed by the test of typing"),
@@ -293,6 +308,7 @@ fn every_widget_changes_what_it_should_and_only_that() {
         }
         window.section(section, false);
     }
+    window.section("Tradeoff", true);
     window.section("Ledger", true);
 
     used.extend(ELSEWHERE.map(|(label, _)| label.to_owned()));

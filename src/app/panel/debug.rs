@@ -21,6 +21,10 @@ pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
                 DebugView::None => "The shaded terrain.",
                 DebugView::Position => "Position on the cube's back faces as a colour; no ray is cast. The cheapest.",
                 DebugView::Steps => "Steps of each ray as a heat map with a legend. Costs counting.",
+                DebugView::Error => {
+                    "Distance error of each ray against the exact technique, in cells, as a heat map with a legend; when \
+                     the eye rests, against the f64 reference. Costs a second march per frame, and a processor at rest."
+                }
                 DebugView::Normals => "The normal of the ground as a colour.",
                 DebugView::Distance => "Distance from the eye: near is bright.",
             },

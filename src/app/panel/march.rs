@@ -36,6 +36,15 @@ fn technique(ui: &mut Ui, march: &mut MarchSettings) {
             Technique::LinearBinary => {
                 "Uniform steps, then halvings of the last one. Misses what is thinner than a step."
             }
+            Technique::Secant => {
+                "Uniform steps; the ground in the last one is taken for a straight line. Misses what is thinner than a step."
+            }
+            Technique::Cone => {
+                "Steps as long as a cone without ground allows, then halvings. Prepared for seconds, and again after a crater."
+            }
+            Technique::RelaxedCone => {
+                "Steps as long as a cone allows whose ground a ray enters only once, then halvings. Prepared for longer."
+            }
             Technique::MaxMipmap => "Exact: skips along a pyramid of maxima and meets the bilinear surface itself.",
         },
     });
@@ -44,7 +53,7 @@ fn technique(ui: &mut Ui, march: &mut MarchSettings) {
 }
 
 fn samples(ui: &mut Ui, march: &mut MarchSettings) {
-    let exact = !march.technique.samples_uniformly();
+    let exact = !march.technique.counts_samples();
     let fixed = !exact && !march.steps_by_angle;
     let tooltip = "Steps of a ray that looks straight down. More are slower and miss less.";
     let fewest = Number::new("Fewest samples", tooltip).logarithmic();
@@ -67,6 +76,7 @@ fn samples(ui: &mut Ui, march: &mut MarchSettings) {
         "Halvings of the step that went below the ground; 0 is off. Each costs one sample and halves the error.";
     Number::new("Halvings", tooltip)
         .disabled_when(march.technique == Technique::Linear, "linear takes the first sample below the ground")
+        .disabled_when(march.technique == Technique::Secant, "secant solves the last step as a straight line")
         .disabled_when(exact, EXACT)
         .slider(ui, &mut march.binary_steps, 0..=24);
 }
@@ -93,7 +103,11 @@ fn filter(ui: &mut Ui, march: &mut MarchSettings, hardware: bool) {
             off: None,
         },
     ];
-    let off = (!march.technique.samples_uniformly()).then_some(EXACT);
+    let off = match march.technique {
+        Technique::Linear | Technique::LinearBinary | Technique::Secant => None,
+        Technique::Cone | Technique::RelaxedCone => Some("cones are only safe over the surface itself"),
+        Technique::MaxMipmap => Some(EXACT),
+    };
     let tooltip = "How a height between the samples of the map is read.";
     choose(ui, &mut march.filter, &choices, "Height filter", tooltip, off);
 }

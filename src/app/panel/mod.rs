@@ -1,6 +1,7 @@
 //! The panel: one collapsible section per part of the scene, one file each, named alike.
 
 mod camera;
+mod compare;
 mod craters;
 mod debug;
 mod diffuse;
@@ -11,9 +12,11 @@ mod march;
 mod occluder;
 mod skybox;
 mod terrain;
+mod tradeoff;
 mod widgets;
 
 use super::settings::{Command, Facts, ViewSettings};
+use super::tradeoff::Tradeoff;
 use crate::scene::Scene;
 
 /// Width of the panel in points.
@@ -29,6 +32,8 @@ pub(crate) struct Panel<'a> {
     pub(crate) speed: &'a mut f64,
     /// What cannot be changed.
     pub(crate) facts: &'a Facts,
+    /// What was measured of the techniques.
+    pub(crate) tradeoff: &'a Tradeoff,
     /// What the sections ask of the viewer.
     pub(crate) commands: &'a mut Vec<Command>,
 }
@@ -37,16 +42,18 @@ pub(crate) struct Panel<'a> {
 type Section = (&'static str, fn(&mut egui::Ui, &mut Panel<'_>));
 
 /// All sections from top to bottom.
-const SECTIONS: [Section; 11] = [
+const SECTIONS: [Section; 13] = [
     ("Terrain", terrain::show),
     ("Camera", camera::show),
     ("March", march::show),
+    ("Compare", compare::show),
     ("Diffuse", diffuse::show),
     ("Lighting", lighting::show),
     ("Skybox", skybox::show),
     ("Occluder", occluder::show),
     ("Craters", craters::show),
     ("Debug", debug::show),
+    ("Tradeoff", tradeoff::show),
     ("Frame", frame::show),
     ("Ledger", ledger::show),
 ];
@@ -128,6 +135,7 @@ mod tests {
                     view: &mut view,
                     speed: &mut speed,
                     facts: &facts,
+                    tradeoff: &Tradeoff::default(),
                     commands: &mut commands,
                 };
                 (section.1)(ui, &mut panel);
@@ -182,6 +190,12 @@ mod tests {
         let linear = disabled(Technique::Linear);
         assert!(linear.contains("Halvings") && !linear.contains("Most samples"), "{linear:?}");
         assert!(disabled(Technique::LinearBinary).is_empty());
+        assert_eq!(disabled(Technique::Secant), linear);
+        for technique in [Technique::Cone, Technique::RelaxedCone] {
+            let along_cones = disabled(technique);
+            assert!(along_cones.contains("Height filter"), "{along_cones:?}");
+            assert!(!along_cones.contains("Halvings") && !along_cones.contains("Most samples"), "{along_cones:?}");
+        }
         let exact = disabled(Technique::MaxMipmap);
         assert!(
             ["Halvings", "Most samples", "Fewest samples", "Height filter"].iter().all(|name| exact.contains(*name))
@@ -210,7 +224,7 @@ mod tests {
     #[test]
     fn widget_roles_are_those_of_the_tree() {
         let mut scene = Scene::default();
-        let found = section_widgets(SECTIONS[4], &mut scene);
+        let found = section_widgets(SECTIONS[5], &mut scene);
         let toggle = found.iter().find(|widget| widget.label == "Enable lighting").expect("the toggle is there");
         assert_eq!((toggle.role.as_str(), toggle.toggled), ("CheckBox", Some(true)));
     }

@@ -1,0 +1,54 @@
+// Cones on the map's cells, made in `heightfield/cone.rs`, where it is proven how far a ray may go on in one.
+#define_import_path relief::cones
+
+#import relief::heightfield::{terrain, Segment, cell_corners, bilinear}
+
+// Per cell the slope of its cone without ground and, for relaxed cones, that of its relaxed cone; normalised heights
+// per cell.
+@group(1) @binding(9) var cones: texture_2d<f32>;
+
+// What a ray meets at a place.
+struct Place {
+    // Its height above the ground, world units.
+    above: f32,
+    // How far it may go on before it leaves the cone on the cell, as a parameter. 0: it is not in the cone.
+    clear: f32,
+}
+
+// `channel` picks the slope.
+fn place_at(ray: Segment, t: f32, channel: vec2f) -> Place {
+    let p = ray.origin + ray.direction * t;
+    let cell = clamp(floor(p.xz), vec2f(0.0), terrain.cells - 1.0);
+    let corners = cell_corners(cell);
+    let slope = dot(textureLoad(cones, vec2i(cell), 0).rg, channel) * terrain.size.y;
+    let inside = p.xz - cell;
+    // Height above the cell's highest corner.
+    let over = p.y - max(max(corners.x, corners.y), max(corners.z, corners.w));
+    // The cone's height over that corner, after a further parameter t, is the slope times what the ray has by then gone
+    // beyond the cell along x plus along z: the greatest of 0, speed.x·t − to_wall.x, the same along z, and the sum of
+    // both. The ray is in the cone until it meets the first of these four lines.
+    let speed = abs(ray.direction.xz);
+    let to_wall = max(select(inside, 1.0 - inside, ray.direction.xz >= vec2f(0.0)), vec2f(0.0));
+    let closing = slope * vec4f(0.0, speed.x, speed.y, speed.x + speed.y) - ray.direction.y;
+    let margin = over + slope * vec4f(0.0, to_wall.x, to_wall.y, to_wall.x + to_wall.y);
+    let meets = select(vec4f(ray.end), margin / closing, closing > vec4f(0.0));
+    let clear = min(min(meets.x, meets.y), min(meets.z, meets.w));
+    return Place(p.y - bilinear(corners, inside), select(0.0, clear, over > 0.0));
+}
+
+// Halvings between a point above the ground and one below it; the last point below.
+fn halved(ray: Segment, last_above: f32, first_below: f32) -> f32 {
+    var above = last_above;
+    var below = first_below;
+    for (var k = 0u; k < terrain.binary_steps; k++) {
+        let middle = 0.5 * (above + below);
+        let p = ray.origin + ray.direction * middle;
+        let cell = clamp(floor(p.xz), vec2f(0.0), terrain.cells - 1.0);
+        if p.y <= bilinear(cell_corners(cell), p.xz - cell) {
+            below = middle;
+        } else {
+            above = middle;
+        }
+    }
+    return below;
+}

@@ -1,0 +1,164 @@
+//! `relief report`: error against run time, as tables and plots.
+
+use std::fs;
+use std::io;
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use super::args::ReportArgs;
+use super::failure::{Exit, Failure, cannot_write};
+use super::output::Output;
+use super::progress::Progress;
+use super::terrain::{self, Source};
+use crate::camera::{Camera, NamedView};
+use crate::heightfield::{EditedTerrain, HeightField};
+use crate::report::{self, Job, Monitor, Report, plot, tables};
+use crate::scene::Scene;
+use crate::scene_file;
+
+pub(crate) fn run(args: &ReportArgs) -> Result<(), Failure> {
+    let (scene, cameras) = scenes(args)?;
+    let outputs = Outputs::prepare(&args.output)?;
+    let source = Source::of(&scene);
+    let (gpu, loaded) = source.load_for_gpu()?;
+    terrain::check_size(args.size, gpu.capabilities.max_texture)?;
+    let map = with_craters(loaded.field, &scene);
+    let views = if cameras.is_empty() {
+        let extent = map.box_size(scene.terrain.height_scale);
+        NamedView::MEASURED.map(|view| (view.name().to_owned(), view.camera(&map, extent))).to_vec()
+    } else {
+        cameras
+    };
+    if !gpu.capabilities.timestamps {
+        super::warn("this adapter has no timestamps\n  times are wall times, from submitting a frame to its end");
+    }
+    let job = Job { map_name: source.name(), map: Arc::new(map), scene, views, size: args.size, quick: args.quick };
+    let report = {
+        let watch = Watch::start();
+        report::measure(&gpu, &job, &watch)?
+    };
+    if report.views.is_empty() {
+        return Err(Failure::new(Exit::Failed, "nothing was measured")
+            .line("It was stopped before the first picture was compared.")
+            .line("No file was written; let it run longer, or use --quick."));
+    }
+    outputs.write(&report)?;
+    match &report.stopped {
+        None => Ok(()),
+        Some(reason) => Err(Failure::new(Exit::Failed, "the report is not finished")
+            .line(reason.clone())
+            .line(format!("What was measured until then is in {}.", args.output.display()))),
+    }
+}
+
+/// The scene to measure and the cameras of the scene files; without any, the five views will be measured.
+fn scenes(args: &ReportArgs) -> Result<(Scene, Vec<(String, Camera)>), Failure> {
+    let mut first = None;
+    let mut cameras: Vec<(String, Camera)> = Vec::new();
+    for path in &args.scenes {
+        let scene = scene_file::read(path)?;
+        let Some(camera) = scene.camera else {
+            return Err(Failure::new(Exit::BadInput, format!("{} has no camera", path.display()))
+                .line("The report measures what the cameras of scene files see.")
+                .line("Add a [camera] with eye, yaw and pitch, or leave --scene out for the five usual views."));
+        };
+        let stem = path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
+        let twins = cameras.iter().filter(|(name, _)| *name == stem || name.starts_with(&format!("{stem} "))).count();
+        cameras.push((if twins == 0 { stem } else { format!("{stem} {}", twins + 1) }, camera));
+        first.get_or_insert(scene);
+    }
+    let mut scene = first.unwrap_or_default();
+    if args.file.is_some() {
+        scene.terrain.file.clone_from(&args.file);
+    }
+    if args.height_scale.is_some() {
+        scene.terrain.height_scale = args.height_scale;
+    }
+    Ok((scene, cameras))
+}
+
+/// The map as the scene's craters leave it.
+fn with_craters(map: HeightField, scene: &Scene) -> HeightField {
+    if scene.craters.list.is_empty() {
+        return map;
+    }
+    let mut edited = EditedTerrain::new(Arc::new(map));
+    edited.set_craters(&scene.craters.list);
+    edited.field().clone()
+}
+
+/// The files of a report.
+struct Outputs {
+    markdown: Output,
+    csv: Output,
+    json: Output,
+    svg: Output,
+    png: Output,
+}
+
+impl Outputs {
+    /// Makes the folder and checks that every file can be written.
+    fn prepare(folder: &Path) -> Result<Self, Failure> {
+        fs::create_dir_all(folder).map_err(|error| {
+            // What stands in the way is a file; the system's words for it differ.
+            let file = folder.is_file();
+            cannot_write(folder, &if file { io::ErrorKind::NotADirectory.into() } else { error })
+        })?;
+        let output = |name: &str| Output::prepare(&folder.join(name));
+        Ok(Self {
+            markdown: output("report.md")?,
+            csv: output("report.csv")?,
+            json: output("report.json")?,
+            svg: output("error-vs-time.svg")?,
+            png: output("error-vs-time.png")?,
+        })
+    }
+
+    fn write(&self, report: &Report) -> Result<(), Failure> {
+        let failed = |error: &dyn std::error::Error| {
+            Failure::new(Exit::Failed, "cannot encode the report").line(error.to_string())
+        };
+        let svg = plot::svg(report);
+        let png = plot::png(&svg).map_err(|error| failed(&error))?;
+        let json = tables::json(report).map_err(|error| failed(&error))?;
+        self.csv.write(tables::csv(report).as_bytes())?;
+        self.json.write(&json)?;
+        self.markdown.write(tables::markdown(report).as_bytes())?;
+        self.svg.write(svg.as_bytes())?;
+        self.png.write(&png)
+    }
+}
+
+/// Set by Ctrl-C.
+static STOP: AtomicBool = AtomicBool::new(false);
+
+/// The progress bar, and Ctrl-C: the first ends the measuring, the second the program.
+struct Watch(Progress);
+
+impl Watch {
+    fn start() -> Self {
+        let handler = || {
+            if STOP.swap(true, Ordering::Relaxed) {
+                std::process::exit(Exit::Failed as i32);
+            }
+        };
+        // Without a handler Ctrl-C ends the program at once, as it does elsewhere.
+        if let Err(error) = ctrlc::set_handler(handler) {
+            log::debug!("no handler for Ctrl-C: {error}");
+        }
+        Self(Progress::start("measuring").with_time_left())
+    }
+}
+
+impl Monitor for Watch {
+    fn tell(&self, what: &str, share: f64) {
+        let stopping = if self.stop() { "stopping after: " } else { "" };
+        self.0.say(&format!("{stopping}{what}"));
+        self.0.set(share as f32);
+    }
+
+    fn stop(&self) -> bool {
+        STOP.load(Ordering::Relaxed)
+    }
+}

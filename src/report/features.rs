@@ -1,0 +1,166 @@
+//! The study's Table 1, remade: what each feature costs, as a ratio to one base frame.
+
+use std::time::Instant;
+
+use serde::Serialize;
+
+use super::rounds::{Times, has_turn, plan};
+use super::settings::Setting;
+use super::studio::Studio;
+use super::sweep::{ROUNDS, first_line};
+use super::{Halt, Job};
+use crate::heightfield::Crater;
+use crate::render::RenderError;
+use crate::scene::{CraterMode, HeightFilter, Scene, Technique};
+
+/// A feature that is switched against the base frame.
+#[derive(Clone, Debug, Serialize)]
+pub struct Feature {
+    /// What differs from the base frame.
+    pub name: String,
+    /// Its cost in each view.
+    pub views: Vec<FeatureCost>,
+    /// The 2009 figure, where the study gives one, as a ratio of frame times.
+    pub in_2009: Option<f64>,
+}
+
+/// What a feature costs in one view.
+#[derive(Clone, Debug, Serialize)]
+pub struct FeatureCost {
+    /// The view.
+    pub view: String,
+    /// Times of the frame.
+    pub times: Times,
+    /// Their median over the base frame's.
+    pub ratio: f64,
+}
+
+/// Craters took 40 % of the frames away, so that a frame took 1 / (1 − 0.4) times as long.
+const CRATERS_IN_2009: f64 = 1.0 / 0.6;
+
+/// Ten craters in two rows, as a share of the box.
+fn craters(job: &Job) -> Vec<Crater> {
+    let extent = job.map.box_size(job.scene.terrain.height_scale);
+    let place = |index: u32| (f64::from(index % 5) * 0.18 + 0.14, f64::from(index / 5) * 0.4 + 0.3);
+    let crater = |(u, v): (f64, f64)| Crater { x: u * extent.x, z: v * extent.z, radius: 0.05, depth: 0.3, rim: 0.08 };
+    (0..10).map(|index| crater(place(index))).collect()
+}
+
+/// A feature's name, its figure of 2009, and what it changes in the base frame.
+type Change<'a> = (&'static str, Option<f64>, &'a dyn Fn(&mut Scene));
+
+/// The base frame first, then one change at a time.
+fn variants(job: &Job, scene: &Scene) -> Vec<(String, Scene, Option<f64>)> {
+    let mut base = scene.clone();
+    Setting::BASE.apply(&mut base.march);
+    base.lighting.enabled = true;
+    let list = craters(job);
+    let changes: [Change<'_>; 10] = [
+        ("base frame", None, &|_| {}),
+        ("without halvings", None, &|scene| scene.march.binary_steps = 0),
+        ("fixed steps (512) instead of by angle", None, &|scene| scene.march.steps_by_angle = false),
+        ("hardware-linear heights instead of exact", None, &|scene| scene.march.filter = HeightFilter::HardwareLinear),
+        ("nearest heights instead of exact", None, &|scene| scene.march.filter = HeightFilter::Nearest),
+        ("start at the lid of the box", None, &|scene| scene.march.lower_start = false),
+        ("ten craters, layered (the study's way)", Some(CRATERS_IN_2009), &|scene| {
+            (scene.craters.mode, scene.craters.list) = (CraterMode::Layered, list.clone());
+        }),
+        ("ten craters, baked", None, &|scene| scene.craters.list.clone_from(&list)),
+        ("without lighting", None, &|scene| scene.lighting.enabled = false),
+        ("without a diffuse texture", None, &|scene| scene.diffuse.enabled = !scene.diffuse.enabled),
+    ];
+    let changed = |change: &dyn Fn(&mut Scene)| {
+        let mut scene = base.clone();
+        change(&mut scene);
+        scene
+    };
+    let features = changes.into_iter().map(|(name, known, change)| {
+        let name =
+            if name.ends_with("diffuse texture") && !base.diffuse.enabled { "with a diffuse texture" } else { name };
+        (name.to_owned(), changed(change), known)
+    });
+    let techniques = Technique::ALL.into_iter().filter(|&technique| technique != Setting::BASE.technique);
+    let techniques = techniques.map(|technique| {
+        (format!("`{}`", technique.name()), changed(&|scene| scene.march.technique = technique), None)
+    });
+    features.chain(techniques).collect()
+}
+
+/// Measures every feature in every view, `budget_s` seconds each.
+pub(super) fn measure(
+    studio: &mut Studio,
+    job: &Job,
+    scene: &Scene,
+    budget_s: f64,
+    features: &mut Vec<Feature>,
+    left_out: &mut Vec<String>,
+    tell: &dyn Fn(f64) -> bool,
+) -> Result<(), Halt> {
+    left_out.push(String::from(
+        "Table 1, depth output: rays write their own depth, or nothing could be hidden by hills; it cannot be switched off",
+    ));
+    let mut variants = variants(job, scene);
+    *features = variants
+        .iter()
+        .map(|(name, _, known)| Feature { name: name.clone(), views: Vec::new(), in_2009: *known })
+        .collect();
+    for (index, (view, camera)) in job.views.iter().enumerate() {
+        for (_, scene, _) in &mut variants {
+            scene.camera = Some(*camera);
+        }
+        let share = |done: f64| (index as f64 + done) / job.views.len() as f64;
+        let times = view_times(studio, job, &variants, budget_s, left_out, &|done| tell(share(done)))?;
+        let base = times.first().and_then(|times| Times::of(times));
+        for (feature, times) in features.iter_mut().zip(&times) {
+            if let Some((times, base)) = Times::of(times).zip(base) {
+                feature.views.push(FeatureCost { view: view.clone(), times, ratio: times.ms / base.ms });
+            }
+        }
+    }
+    features.retain(|feature| !feature.views.is_empty());
+    Ok(())
+}
+
+fn view_times(
+    studio: &mut Studio,
+    job: &Job,
+    variants: &[(String, Scene, Option<f64>)],
+    budget_s: f64,
+    left_out: &mut Vec<String>,
+    tell: &dyn Fn(f64) -> bool,
+) -> Result<Vec<Vec<f64>>, Halt> {
+    let began = Instant::now();
+    let mut first = Vec::new();
+    for (name, scene, _) in variants {
+        if tell(0.0) {
+            return Err(Halt::Asked);
+        }
+        match studio.frame(scene).and_then(|_| studio.frame(scene)) {
+            Ok(ms) => first.push(Some(ms)),
+            Err(error @ RenderError::Unsupported { .. }) => {
+                let note = format!("Table 1, {name}: {}", first_line(&error));
+                if !left_out.contains(&note) {
+                    left_out.push(note);
+                }
+                first.push(None);
+            }
+            Err(error) => return Err(error.into()),
+        }
+    }
+    let rounds = ROUNDS[usize::from(job.quick)];
+    let frame_ms: Vec<f64> = first.iter().map(|ms| ms.unwrap_or(0.0)).collect();
+    let counts = plan(&frame_ms, rounds, (budget_s - began.elapsed().as_secs_f64()) * 1e3);
+    let mut times = vec![Vec::new(); variants.len()];
+    for round in 0..rounds {
+        for (index, (_, scene, _)) in variants.iter().enumerate() {
+            if first[index].is_none() || !has_turn(round, counts[index], rounds) {
+                continue;
+            }
+            if tell(round as f64 / rounds as f64) {
+                return Err(Halt::Asked);
+            }
+            times[index].push(studio.frame(scene)?);
+        }
+    }
+    Ok(times)
+}

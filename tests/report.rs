@@ -1,0 +1,159 @@
+//! `relief report` as a user meets it: the files, their columns, and what is wrong with the arguments.
+#![expect(clippy::unwrap_used, reason = "a test may fail loudly")]
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+use image::{ImageBuffer, Luma};
+
+const COLUMNS: &str = "view,technique,samples_min,samples_max,by_angle,halvings,see_through,covers_sky,p50,p95,p99,max,\
+    incoherent,flip,ms,ms_p95,ratio,steps_mean,steps_max,cap_hits,prepare_ms,bytes";
+
+/// Runs `relief` in `folder`; its exit code and stderr.
+fn relief(folder: &Path, line: &str) -> (i32, String) {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_relief"));
+    command.current_dir(folder).args(line.split_whitespace());
+    if std::env::var_os("RELIEF_ADAPTER").is_none() {
+        command.env("RELIEF_ADAPTER", "cpu");
+    }
+    let output = command.output().unwrap();
+    (output.status.code().unwrap(), String::from_utf8(output.stderr).unwrap())
+}
+
+/// A folder with a map of 17×17 samples.
+fn folder_with_map() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let height = |x: u32, z: u32| Luma([(x * 977 + z * 1571 + (x * z) % 17 * 1500) as u16]);
+    ImageBuffer::from_fn(17, 17, height).save(folder.path().join("map.png")).unwrap();
+    folder
+}
+
+/// The cells of a CSV whose columns are [`COLUMNS`], one map-like row each.
+fn rows(folder: &Path) -> Vec<Vec<String>> {
+    let text = fs::read_to_string(folder.join("report.csv")).unwrap();
+    let mut lines = text.lines();
+    assert_eq!(lines.next(), Some(COLUMNS));
+    lines.map(|line| line.split(',').map(str::to_owned).collect()).collect()
+}
+
+fn column(name: &str) -> usize {
+    COLUMNS.split(',').position(|column| column == name).unwrap()
+}
+
+#[test]
+fn the_same_map_gives_the_same_errors_and_the_exact_technique_has_none() {
+    let folder = folder_with_map();
+    for name in ["a", "deep/b"] {
+        let (code, stderr) = relief(folder.path(), &format!("report map.png -o {name} --quick --size 48x30"));
+        assert_eq!((code, stderr.as_str()), (0, ""));
+    }
+    let (a, b) = (folder.path().join("a"), folder.path().join("deep/b"));
+    let mut names: Vec<_> = fs::read_dir(&a).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    names.sort();
+    assert_eq!(names, ["error-vs-time.png", "error-vs-time.svg", "report.csv", "report.json", "report.md"]);
+
+    let (first, second) = (rows(&a), rows(&b));
+    let views: Vec<_> = first.iter().map(|row| row[0].as_str()).collect();
+    for view in ["over", "graze", "valley", "down", "horizon"] {
+        assert!(views.contains(&view), "{view}");
+    }
+    // Everything but times is the same to the digit.
+    let timed = ["ms", "ms_p95", "ratio", "prepare_ms"].map(column);
+    assert_eq!(first.len(), second.len());
+    for (left, right) in first.iter().zip(&second) {
+        assert_eq!(left.len(), COLUMNS.split(',').count());
+        for (index, (left, right)) in left.iter().zip(right).enumerate() {
+            assert!(timed.contains(&index) || left == right, "column {index}: {left} and {right}");
+        }
+        assert!(timed.iter().all(|&index| left[index].parse::<f64>().is_ok_and(|ms| ms > 0.0)), "{left:?}");
+    }
+    let exact: Vec<_> = first.iter().filter(|row| row[1] == "max-mipmap").collect();
+    assert_eq!(exact.len(), 5);
+    for row in exact {
+        assert_eq!((row[column("see_through")].as_str(), row[column("covers_sky")].as_str()), ("0", "0"));
+        assert!(row[column("max")].parse::<f64>().unwrap() < 0.01, "cells: {row:?}");
+        assert!(row[column("flip")].parse::<f64>().is_ok_and(|flip| flip < 1e-3), "{row:?}");
+    }
+    let base = first.iter().find(|row| row[1..6] == ["linear-binary", "128", "512", "true", "8"]).unwrap();
+    assert_eq!(base[column("ratio")], "1");
+
+    let json: serde_json::Value = serde_json::from_slice(&fs::read(a.join("report.json")).unwrap()).unwrap();
+    assert_eq!(json["views"].as_array().unwrap().len(), 5);
+    assert!(json["stopped"].is_null());
+    let markdown = fs::read_to_string(a.join("report.md")).unwrap();
+    for word in ["map.png, 17×17", "Table 1", "After an edit", "Left out", "### graze", "●"] {
+        assert!(markdown.contains(word), "{word} is missing in {markdown}");
+    }
+    let picture = image::open(a.join("error-vs-time.png")).unwrap().into_rgb8();
+    assert!(picture.pixels().any(|pixel| pixel.0 == [0xD5, 0x5E, 0x00]), "the exact technique is in the plot");
+    assert!(fs::read_to_string(a.join("error-vs-time.svg")).unwrap().starts_with("<svg"));
+}
+
+#[test]
+fn the_cameras_of_scene_files_are_the_views() {
+    let folder = folder_with_map();
+    let scene = "terrain.file = \"map.png\"\n[camera]\neye = [0.5, 0.6, 1.5]\npitch = -30.0\n\
+        [craters]\nlist = [{ x = 0.5, z = 0.5, radius = 0.2, depth = 0.5, rim = 0.1 }]\n";
+    fs::write(folder.path().join("mine.toml"), scene).unwrap();
+    let (code, stderr) = relief(folder.path(), "report -o out --quick --size 20x16 --scene mine.toml");
+    assert_eq!((code, stderr.as_str()), (0, ""));
+    let rows = rows(&folder.path().join("out"));
+    assert!(rows.iter().all(|row| row[0] == "mine"));
+    let exact = rows.iter().find(|row| row[1] == "max-mipmap").unwrap();
+    assert_eq!((exact[column("see_through")].as_str(), exact[column("covers_sky")].as_str()), ("0", "0"));
+    assert!(exact[column("max")].parse::<f64>().unwrap() < 0.01, "the reference has the crater, too: {exact:?}");
+}
+
+#[test]
+fn bad_input_is_a_message_and_an_exit_code() {
+    let folder = folder_with_map();
+    fs::write(folder.path().join("file"), "").unwrap();
+    fs::write(folder.path().join("bare.toml"), "terrain.file = \"map.png\"\n").unwrap();
+    let cases = [
+        ("report map.png", 2, "--output"),
+        ("report map.png -o file", 1, "cannot write file"),
+        ("report map.png -o file/below", 1, "cannot write file/below"),
+        ("report map.png -o out --size 0x10", 2, "the width is 0"),
+        ("report map.png -o out --size 999999x10", 2, "too large"),
+        ("report -o out --scene bare.toml", 3, "bare.toml has no camera"),
+        ("report -o out --scene none.toml", 3, "cannot read the scene file none.toml"),
+        ("report none.png -o out", 3, "no such file"),
+    ];
+    for (line, expected, words) in cases {
+        let (code, stderr) = relief(folder.path(), line);
+        assert_eq!(code, expected, "{line}: {stderr}");
+        assert!(stderr.contains(words), "{line}: {stderr}");
+        assert!(stderr.lines().count() >= 3, "what, why and what to do: {stderr}");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn ctrl_c_keeps_what_was_measured() {
+    let folder = folder_with_map();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_relief"));
+    if std::env::var_os("RELIEF_ADAPTER").is_none() {
+        command.env("RELIEF_ADAPTER", "cpu");
+    }
+    let child = command
+        .current_dir(folder.path())
+        .args(["report", "map.png", "-o", "out", "--size", "640x400"])
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    // Long enough for the first pictures on a slow machine; all of it takes minutes.
+    std::thread::sleep(std::time::Duration::from_secs(6));
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    let output = child.wait_with_output().unwrap();
+    let stderr = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(1), "{stderr}");
+    if stderr.contains("nothing was measured") {
+        assert!(!folder.path().join("out/report.md").exists());
+        return;
+    }
+    assert!(stderr.contains("not finished") && stderr.contains("out"), "{stderr}");
+    assert!(!rows(&folder.path().join("out")).is_empty());
+    let markdown = fs::read_to_string(folder.path().join("out/report.md")).unwrap();
+    assert!(markdown.contains("**Not finished:**"), "{markdown}");
+}
