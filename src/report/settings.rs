@@ -29,20 +29,17 @@ impl Setting {
 
     /// All settings, the cheaper ones of a technique first, so that running out of time costs the dearest.
     ///
-    /// Techniques that sample uniformly: so many steps for every ray, and by the ray's angle between a quarter of them
-    /// and all. Halvings 0 and 8 where there are any. The others have no setting but their own.
+    /// Techniques that count samples: so many for every ray, and by the ray's angle between a quarter of them and all.
+    /// Halvings 0 and 8 where there are any. The exact one has no setting.
     pub fn ladder(quick: bool) -> Vec<Self> {
         let octaves: &[u32] = if quick { &QUICK } else { &OCTAVES };
         let mut ladder = Vec::new();
         for technique in Technique::ALL {
-            if !technique.samples_uniformly() {
-                // Step maps that end in halvings bring the scene's number of them.
-                let halvings = (technique.name() == "relaxed-cone").then(|| MarchSettings::default().binary_steps);
-                ladder.push(Self { technique, samples: None, by_angle: None, halvings });
+            if !technique.counts_samples() {
+                ladder.push(Self { technique, samples: None, by_angle: None, halvings: None });
                 continue;
             }
-            let halvings: &[Option<u32>] =
-                if technique == Technique::LinearBinary { &[Some(0), Some(8)] } else { &[None] };
+            let halvings: &[Option<u32>] = if technique.halves() { &[Some(0), Some(8)] } else { &[None] };
             for &most in octaves {
                 for by_angle in [true, false] {
                     let fewest = if by_angle { most / 4 } else { most };
