@@ -41,7 +41,7 @@ pub struct Row {
     pub steps_max: u32,
     /// Rays that the step cap ended.
     pub cap_hits: u32,
-    /// From a new map to its first frame on the GPU, wall time in milliseconds; see [`Prepared`].
+    /// From a new map to its first frame on the GPU, wall time in milliseconds.
     pub prepare_ms: f64,
     /// Textures that the technique reads or writes besides picture and depth: heights, pyramid, cones, beams.
     pub bytes: u64,
