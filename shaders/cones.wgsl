@@ -1,7 +1,8 @@
 // Cones on the map's cells, made in `heightfield/cone.rs`, where it is proven how far a ray may go on in one.
 #define_import_path relief::cones
 
-#import relief::heightfield::{terrain, Segment, cell_corners, bilinear}
+#import relief::heightfield::{terrain, Segment, Hit, NO_HIT, cell_corners, bilinear}
+#import relief::sampling::sample_count
 
 // Per cell the slope of its cone without ground and, for relaxed cones, that of its relaxed cone; normalised heights
 // per cell.
@@ -51,4 +52,30 @@ fn halved(ray: Segment, last_above: f32, first_below: f32) -> f32 {
         }
     }
     return below;
+}
+
+// From cone to cone, each step at least as long as a uniform one of the same number of samples, then halvings.
+fn step_along(ray: Segment, channel: vec2f) -> Hit {
+    let count = sample_count(ray);
+    let step = ray.end / count;
+    var above = 0.0;
+    var t = 0.0;
+    // Rounding may leave a last piece of the ray after `count` steps.
+    var i = 1.0;
+    for (; i <= count + 2.0; i += 1.0) {
+        let place = place_at(ray, t, channel);
+        if place.above <= 0.0 {
+            break;
+        }
+        if t >= ray.end {
+            return Hit(NO_HIT, u32(i), 0u);
+        }
+        above = t;
+        t = min(t + max(place.clear, step), ray.end);
+    }
+    if i == 1.0 {
+        return Hit(0.0, 1u, 0u);
+    }
+    // After the loop, not in it: rays that are drawn in step would all pay whenever one of them hits.
+    return Hit(halved(ray, above, t), u32(i) + terrain.binary_steps, 0u);
 }
