@@ -17,6 +17,10 @@ fn relief(folder: &Path, line: &str) -> (i32, String) {
     if std::env::var_os("RELIEF_ADAPTER").is_none() {
         command.env("RELIEF_ADAPTER", "cpu");
     }
+    // Without this folder, which a bare container lacks, the Wayland library that Mesa loads complains on stderr.
+    if std::env::var_os("XDG_RUNTIME_DIR").is_none() {
+        command.env("XDG_RUNTIME_DIR", folder);
+    }
     let output = command.output().unwrap();
     (output.status.code().unwrap(), String::from_utf8(output.stderr).unwrap())
 }
