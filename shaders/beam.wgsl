@@ -9,7 +9,7 @@
 #import relief::frame::{FOR_EVER, frame, pixel_ray, slabs}
 #import relief::heightfield::terrain
 #import relief::pyramid::{
-    Walk, lesser, greater, course_along, start, node_of, node_height, reached, moved_on, either,
+    Walk, lesser, greater, course_along, start, node_of, height_of_four, reached, moved_on, either,
     reciprocal_of_power,
 }
 #import relief::varyings
@@ -28,14 +28,8 @@ const MARGIN: f32 = 1e-5;
 // as those at its border.
 fn height_around(node: vec2f, size: f32) -> f32 {
     let double = 2.0 * size;
-    let first = floor(0.5 * (node - 1.0));
     let last = floor((terrain.cells - 1.0) * reciprocal_of_power(double));
-    let low = clamp(first, vec2f(0.0), last);
-    let high = clamp(first + 1.0, vec2f(0.0), last);
-    return greater(
-        greater(node_height(low, double), node_height(vec2f(high.x, low.y), double)),
-        greater(node_height(vec2f(low.x, high.y), double), node_height(high, double)),
-    );
+    return height_of_four(clamp(floor(0.5 * (node - 1.0)), vec2f(-1.0), last), double);
 }
 
 // Parameter at which the tile's rays may start (FOR_EVER: none of them meets the ground), and the side in cells of the node to start in.

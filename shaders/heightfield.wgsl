@@ -44,7 +44,8 @@ struct Terrain {
     diffuse: f32,
     specular: f32,
     shininess: f32,
-    padding: f32,
+    // World units per unit of what the textures of heights and of the pyramid hold.
+    height_unit: f32,
     // Towards the sun.
     sun: vec3f,
     ambient: f32,
@@ -97,9 +98,10 @@ fn cell_corners(cell: vec2f) -> vec4f {
         layer_displacement(vec2f(west_north.x, east_south.y)),
         layer_displacement(east_south),
     );
-    return clamp(corners + displacement, vec4f(0.0), vec4f(1.0)) * terrain.size.y;
+    let displaced = corners * terrain.height_unit + displacement * terrain.size.y;
+    return clamp(displaced, vec4f(0.0), vec4f(terrain.size.y));
 #else
-    return corners * terrain.size.y;
+    return corners * terrain.height_unit;
 #endif
 }
 
@@ -121,10 +123,11 @@ fn ground_height(p: vec2f) -> f32 {
     var height = bilinear(textureGather(0, heights, corner_sampler, shared_corner).wzxy, f);
 #endif
 #endif
+    height *= terrain.height_unit;
 #ifdef CRATERS_LAYERED
-    height = clamp(height + layer_displacement(p), 0.0, 1.0);
+    height = clamp(height + layer_displacement(p) * terrain.size.y, 0.0, terrain.size.y);
 #endif
-    return height * terrain.size.y;
+    return height;
 }
 
 // A piece of a ray in grid space, beginning where the ray enters the box.

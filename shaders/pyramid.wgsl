@@ -28,14 +28,27 @@ fn reciprocal_of_power(power: f32) -> f32 {
     return bitcast<f32>(0x7f000000u - bitcast<u32>(power));
 }
 
-// Highest ground of the node (column and row) of `size` cells, at least 2; world units.
-fn node_height(node: vec2f, size: f32) -> f32 {
+// Where the level of nodes of `size` cells, at least 2, begins in the texture; in texels.
+fn level_place(size: f32) -> vec2f {
     // Each level is half as long as the one before, so those from level 2 on take up half the stack, then a quarter, ….
     let beside = terrain.pyramid_place + terrain.pyramid_stack * (1.0 - 4.0 * reciprocal_of_power(size));
-    let place = select(vec2f(0.5), beside + 0.5, size > 2.0);
+    return select(vec2f(0.0), beside, size > 2.0);
+}
+
+// Highest ground of the node (column and row) of `size` cells, at least 2; world units.
+fn node_height(node: vec2f, size: f32) -> f32 {
     // Sampled at a texel's centre: a sampler's address costs less than that of a load, which can have any mip.
-    let height = textureSampleLevel(pyramid, corner_sampler, (node + place) * terrain.pyramid_texel, 0.0).r;
-    return height * terrain.size.y + terrain.layer_rise;
+    let centre = (level_place(size) + node + 0.5) * terrain.pyramid_texel;
+    return textureSampleLevel(pyramid, corner_sampler, centre, 0.0).r * terrain.height_unit + terrain.layer_rise;
+}
+
+// Highest ground of the 2 × 2 nodes of `size` cells whose first (column and row) is `first`, from −1 to the last one;
+// world units. In place of nodes beyond the level's border come some others, which can only raise the result.
+fn height_of_four(first: vec2f, size: f32) -> f32 {
+    let shared_corner = (level_place(size) + first + 1.0) * terrain.pyramid_texel;
+    let four = textureGather(0, pyramid, corner_sampler, shared_corner);
+    let highest = greater(greater(four.x, four.y), greater(four.z, four.w));
+    return highest * terrain.height_unit + terrain.layer_rise;
 }
 
 // What does not change along a walk.

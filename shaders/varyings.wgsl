@@ -17,7 +17,7 @@ struct Varyings {
 #endif
 #ifdef FLAT_CONSTANTS
     // Fifteen places are all that every adapter has.
-    @location(0) @interpolate(flat) stack_and_farthest: vec3f,
+    @location(0) @interpolate(flat) stack_farthest_and_height_unit: vec4f,
     @location(1) @interpolate(flat) origin_and_start: vec4f,
     @location(2) @interpolate(flat) origin_right_and_pixel_size: vec4f,
     @location(3) @interpolate(flat) origin_down_and_texel_density: vec4f,
@@ -53,7 +53,8 @@ fn at(position: vec4f) -> Varyings {
     out.texel_size_and_layer_cells = vec4f(terrain.texel_size, terrain.layer_cells);
     out.pyramid_place_and_texel = vec4f(terrain.pyramid_place, terrain.pyramid_texel);
     out.samples_top_size_and_layer_rise = vec4f(terrain.samples, terrain.top_size, terrain.layer_rise);
-    out.stack_and_farthest = vec3f(terrain.pyramid_stack, terrain.farthest);
+    out.stack_farthest_and_height_unit =
+        vec4f(terrain.pyramid_stack, terrain.farthest, terrain.height_unit);
     out.binary_steps_and_step_cap = vec2u(terrain.binary_steps, terrain.step_cap);
     out.sun_and_ambient = vec4f(terrain.sun, terrain.ambient);
     out.light_and_repeats = vec4f(terrain.diffuse, terrain.specular, terrain.shininess, terrain.repeats);
@@ -85,8 +86,9 @@ fn receive(in: Varyings) {
     terrain.samples = in.samples_top_size_and_layer_rise.xy;
     terrain.top_size = in.samples_top_size_and_layer_rise.z;
     terrain.layer_rise = in.samples_top_size_and_layer_rise.w;
-    terrain.pyramid_stack = in.stack_and_farthest.xy;
-    terrain.farthest = in.stack_and_farthest.z;
+    terrain.pyramid_stack = in.stack_farthest_and_height_unit.xy;
+    terrain.farthest = in.stack_farthest_and_height_unit.z;
+    terrain.height_unit = in.stack_farthest_and_height_unit.w;
     terrain.binary_steps = in.binary_steps_and_step_cap.x;
     terrain.step_cap = in.binary_steps_and_step_cap.y;
     terrain.sun = in.sun_and_ambient.xyz;

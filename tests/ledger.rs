@@ -5,11 +5,14 @@
 
 mod common;
 
-use common::{SIZE, canyon, craters, gpu, renderer, scene_at, scene_from};
+use std::sync::Arc;
+
+use common::pictures::{Difference, Tolerance};
+use common::{SIZE, canyon, craters, gpu, picture, renderer, scene_at, scene_from};
 use glam::DVec3;
 use relief::camera::{Camera, NamedView};
-use relief::gpu::Target;
-use relief::heightfield::Crater;
+use relief::gpu::{Gpu, Target};
+use relief::heightfield::{Crater, HeightField};
 use relief::render::{Ledger, Renderer};
 use relief::scene::{CraterMode, DebugView, Scene, Technique};
 
@@ -88,8 +91,45 @@ fn everything_off_costs_one_draw_and_one_texture() {
     assert_eq!(ledger.pipelines.len(), 1);
     let sum: u64 = ledger.textures.iter().map(|texture| texture.bytes).sum();
     assert_eq!(ledger.texture_bytes, sum);
-    assert_eq!(ledger.textures[0].bytes, 512 * 512 * 4);
-    assert_eq!(ledger.uploaded_bytes, 512 * 512 * 4, "the heights, and nothing else");
+    let bytes = 512 * 512 * if gpu().capabilities.unorm16 { 2 } else { 4 };
+    assert_eq!(ledger.textures[0].bytes, bytes);
+    assert_eq!(ledger.uploaded_bytes, bytes, "the heights, and nothing else");
+}
+
+/// Heights that 16 bits hold take no more; where the adapter has no such textures, or the map needs floats, all is as
+/// exact with floats.
+#[test]
+fn sixteen_bits_are_used_where_they_suffice_and_floats_show_the_same() {
+    let bare = Gpu::headless_with(wgpu::Features::empty()).unwrap();
+    bare.device.on_uncaptured_error(Arc::new(|error| panic!("the GPU reported: {error}")));
+    let without = bare.capabilities;
+    assert!(!(without.unorm16 || without.timestamps || without.filterable_float32));
+    let mut floats = Renderer::new(Arc::clone(&bare)).unwrap();
+    floats.set_terrain(canyon()).unwrap();
+    let mut scene = start();
+    scene.craters.list = craters(&canyon());
+    let target = Target::new(&bare, SIZE);
+    floats.draw(&scene, &target).unwrap();
+    let expected = target.read_color(&bare).unwrap();
+    let formats = |ledger: &Ledger| -> Vec<String> {
+        let ground = ledger.textures.iter().filter(|texture| texture.name == "heights" || texture.name == "pyramid");
+        ground.map(|texture| texture.format.clone()).collect()
+    };
+    assert_eq!(formats(floats.ledger()), ["R32Float", "R32Float"]);
+    if !gpu().capabilities.unorm16 {
+        println!("this adapter has no 16-bit textures");
+        return;
+    }
+    let mut renderer = renderer(&canyon());
+    assert_eq!(formats(&frame(&mut renderer, &scene)), ["R16Unorm", "R16Unorm"]);
+    // The two differ by rounding alone: on edges by a pixel now and then.
+    let tolerance = Tolerance { channel: 2, pixels: 1e-4 };
+    let difference = Difference::of(&expected, &picture(&mut renderer, &scene), tolerance).unwrap();
+    assert!(difference.is_within(tolerance), "{} pixels", difference.pixels);
+
+    let raw: Vec<f32> = canyon().samples().iter().map(|height| height + 0.1 * height * height).collect();
+    renderer.set_terrain(Arc::new(HeightField::from_raw(512, 512, &raw).unwrap())).unwrap();
+    assert_eq!(formats(&frame(&mut renderer, &scene)), ["R32Float", "R32Float"]);
 }
 
 #[test]

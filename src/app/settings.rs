@@ -104,8 +104,8 @@ pub(crate) struct Facts {
     pub(crate) true_height_scale: f64,
     /// The map itself, without craters.
     pub(crate) map: Arc<HeightField>,
-    /// The adapter can filter 32-bit float heights.
-    pub(crate) filterable_float32: bool,
+    /// The adapter can filter the map's heights.
+    pub(crate) filterable_heights: bool,
     /// Largest side of a texture.
     pub(crate) max_texture: u32,
     /// The adapter's and the driver's name.
@@ -125,7 +125,7 @@ impl Facts {
             extent_metres: map.extent_metres(),
             true_height_scale: own.y,
             map: Arc::clone(map),
-            filterable_float32: gpu.capabilities.filterable_float32,
+            filterable_heights: gpu.capabilities.filters_heights(map.units(), false),
             max_texture: gpu.capabilities.max_texture,
             adapter: gpu.adapter_name(),
             ledger: Ledger::default(),

@@ -24,8 +24,10 @@ pub const ADAPTER_VARIABLE: &str = "RELIEF_ADAPTER";
 pub struct Capabilities {
     /// Frame times come from the GPU's clock rather than from the wall.
     pub timestamps: bool,
-    /// `R32Float` heights can be read through a linear filter (`HeightFilter::HardwareLinear`).
+    /// Textures of 32-bit floats can be read through a linear filter.
     pub filterable_float32: bool,
+    /// There are textures of 16-bit normalised integers: half the bytes for heights that 16 bits hold.
+    pub unorm16: bool,
     /// Largest side of a texture.
     pub max_texture: u32,
     /// The adapter is a program that runs on the CPU: shaders are composed to suit it.
@@ -82,6 +84,14 @@ pub struct Gpu {
     error: Arc<Mutex<Option<String>>>,
 }
 
+impl Capabilities {
+    /// Whether heights that are whole multiples of 1/`units` (those of a map that needs floats: `None`) can be read
+    /// through a linear filter, with or without a crater layer.
+    pub fn filters_heights(&self, units: Option<u16>, layered: bool) -> bool {
+        self.filterable_float32 || (self.unorm16 && units.is_some() && !layered)
+    }
+}
+
 impl fmt::Debug for Gpu {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Gpu").field("adapter", &self.adapter_name()).field("capabilities", &self.capabilities).finish()
@@ -99,7 +109,15 @@ impl Gpu {
     /// # Errors
     /// [`GpuError`] where no adapter answers or it gives no device.
     pub fn headless() -> Result<Arc<Self>, GpuError> {
-        pollster::block_on(Self::request(Self::instance(), None))
+        Self::headless_with(wgpu::Features::all())
+    }
+
+    /// The same with none but these optional features, whatever the adapter offers.
+    ///
+    /// # Errors
+    /// As [`Self::headless`].
+    pub fn headless_with(most: wgpu::Features) -> Result<Arc<Self>, GpuError> {
+        pollster::block_on(Self::request(Self::instance(), None, most))
     }
 
     /// The device that can present to `surface`, which `instance` made.
@@ -107,7 +125,7 @@ impl Gpu {
     /// # Errors
     /// [`GpuError`] where no adapter can present to it or gives no device.
     pub fn for_surface(instance: wgpu::Instance, surface: &wgpu::Surface<'_>) -> Result<Arc<Self>, GpuError> {
-        pollster::block_on(Self::request(instance, Some(surface)))
+        pollster::block_on(Self::request(instance, Some(surface), wgpu::Features::all()))
     }
 
     /// A device that does nothing: pipelines are validated without a driver.
@@ -118,6 +136,7 @@ impl Gpu {
         let capabilities = Capabilities {
             timestamps: false,
             filterable_float32: true,
+            unorm16: false,
             max_texture: device.limits().max_texture_dimension_2d,
             software: false,
         };
@@ -148,14 +167,21 @@ impl Gpu {
         self.error.lock().unwrap_or_else(PoisonError::into_inner).take()
     }
 
-    async fn request(instance: wgpu::Instance, surface: Option<&wgpu::Surface<'_>>) -> Result<Arc<Self>, GpuError> {
+    async fn request(
+        instance: wgpu::Instance,
+        surface: Option<&wgpu::Surface<'_>>,
+        most: wgpu::Features,
+    ) -> Result<Arc<Self>, GpuError> {
         let adapter = Self::choose_adapter(&instance, surface).await?;
-        let offered = adapter.features();
-        let wanted = wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::FLOAT32_FILTERABLE;
+        let offered = adapter.features() & most;
+        let wanted = wgpu::Features::TIMESTAMP_QUERY
+            | wgpu::Features::FLOAT32_FILTERABLE
+            | wgpu::Features::TEXTURE_FORMAT_16BIT_NORM;
         let limits = adapter.limits();
         let capabilities = Capabilities {
             timestamps: offered.contains(wgpu::Features::TIMESTAMP_QUERY),
             filterable_float32: offered.contains(wgpu::Features::FLOAT32_FILTERABLE),
+            unorm16: offered.contains(wgpu::Features::TEXTURE_FORMAT_16BIT_NORM),
             max_texture: limits.max_texture_dimension_2d,
             software: adapter.get_info().device_type == wgpu::DeviceType::Cpu,
         };

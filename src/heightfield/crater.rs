@@ -155,7 +155,7 @@ impl CraterLayer {
 
     /// The map with the layer added at its samples and clamped to 0..1.
     pub fn apply_to(&self, field: &HeightField) -> HeightField {
-        let mut displaced = field.clone();
+        let mut displaced = field.clone().without_units();
         let [columns, rows] = field.cells().map(f64::from);
         displaced.samples_mut().par_chunks_mut(field.width() as usize).enumerate().for_each(|(row, samples)| {
             for (column, sample) in samples.iter_mut().enumerate() {

@@ -109,6 +109,7 @@ impl EditedTerrain {
         let placed: Vec<_> =
             self.craters[first..].iter().filter_map(|crater| Some((crater, crater.rect(grid)?))).collect();
         let base = &self.base;
+        let units = base.units();
         let edited = self.edited.get_or_insert_with(|| (**base).clone());
         let width = grid.width as usize;
         let columns = dirty.x as usize..(dirty.x + dirty.width) as usize;
@@ -122,7 +123,7 @@ impl EditedTerrain {
             }
             for &(crater, rect) in &placed {
                 grid.displace_row(crater, rect, y, dirty.x, samples, |sample, by| {
-                    *sample = (f64::from(*sample) + by).clamp(0.0, 1.0) as f32;
+                    *sample = HeightField::nearest_height(units, f64::from(*sample) + by);
                 });
             }
         });
@@ -175,6 +176,20 @@ mod tests {
                 assert!(inside || before.sample(x, y) == terrain.field().sample(x, y), "step {step}: {x}, {y}");
             }
             assert!(dirty.is_some() || pyramid_before == *terrain.pyramid());
+        }
+    }
+
+    /// The GPU holds such a map in 16 bits: what an edit puts between two of their steps, it would not show.
+    #[test]
+    fn craters_in_a_map_of_16_bits_are_such_heights_too() {
+        let raw: Vec<u16> = (0..65 * 65u32).map(|i| (i.wrapping_mul(40_503) >> 8) as u16 % 1868).collect();
+        let base = Arc::new(HeightField::from_raw(65, 65, &raw).unwrap());
+        let units = f32::from(base.units().unwrap());
+        let mut terrain = EditedTerrain::new(base);
+        terrain.set_craters(&[Crater { x: 0.5, z: 0.5, radius: 0.2, depth: 0.21, rim: 0.07 }]);
+        assert_eq!(terrain.field().units().map(f32::from), Some(units));
+        for &height in terrain.field().samples() {
+            assert_eq!(height, ((height * units).round() as f64 / f64::from(units)) as f32);
         }
     }
 

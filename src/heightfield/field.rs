@@ -57,6 +57,8 @@ pub struct HeightField {
     /// Rows, at least 2.
     height: u32,
     samples: Vec<f32>,
+    /// Samples are whole multiples of 1/`units`; absent where they are not, or where 16 bits do not hold them.
+    units: Option<u16>,
     /// What the normalised heights 0 and 1 stand for, in the source's own unit (metres, where it has one).
     range: [f64; 2],
     /// Horizontal extent west–east and north–south in metres, where it is known.
@@ -81,10 +83,11 @@ impl HeightField {
             let (column, row) = (index % width as usize, index / width as usize);
             return Err(HeightFieldError::NotFinite { column: column as u32, row: row as u32 });
         }
-        let (low, high) = raw
-            .par_iter()
-            .map(|&value| (value.into(), value.into()))
-            .reduce(|| (f64::INFINITY, f64::NEG_INFINITY), |a: (f64, f64), b: (f64, f64)| (a.0.min(b.0), a.1.max(b.1)));
+        let (low, high, whole) =
+            raw.par_iter().map(|&value| (value.into(), value.into(), value.into().fract() == 0.0)).reduce(
+                || (f64::INFINITY, f64::NEG_INFINITY, true),
+                |a: (f64, f64, bool), b: (f64, f64, bool)| (a.0.min(b.0), a.1.max(b.1), a.2 && b.2),
+            );
         // Halved, because the span of two finite numbers need not be finite.
         let half_span = high * 0.5 - low * 0.5;
         let normalise = |&value: &T| {
@@ -92,7 +95,23 @@ impl HeightField {
             if half_span > 0.0 { (above / half_span) as f32 } else { 0.0 }
         };
         let samples = raw.par_iter().map(normalise).collect();
-        Ok(Self { width, height, samples, range: [low, high], extent_metres: None, exaggeration: 1.0 })
+        let units = if whole { units_for(high - low) } else { None };
+        Ok(Self { width, height, samples, units, range: [low, high], extent_metres: None, exaggeration: 1.0 })
+    }
+
+    /// The map with samples that 16 bits hold: each rounded to a multiple of 1/65535, unless they already are such.
+    #[must_use]
+    pub fn rounded_to_16_bits(mut self) -> Self {
+        if self.units.is_none() {
+            self.units = Some(u16::MAX);
+            self.samples.par_iter_mut().for_each(|sample| *sample = rounded(f64::from(*sample), u16::MAX));
+        }
+        self
+    }
+
+    /// The map as one whose samples can be any height.
+    pub(super) fn without_units(self) -> Self {
+        Self { units: None, ..self }
     }
 
     /// The map with the horizontal extent west–east and north–south, in metres between the outermost samples.
@@ -136,7 +155,21 @@ impl HeightField {
         &self.samples
     }
 
-    /// For edits that keep every sample finite and in 0..1.
+    /// The samples are whole multiples of 1/`units`, so that 16 bits hold each without loss. `None` where the source's
+    /// numbers are no integers, or span more than 65535: they need floats.
+    ///
+    /// Between two integers of the source there is room for more where they span less; edits make use of it.
+    pub fn units(&self) -> Option<u16> {
+        self.units
+    }
+
+    /// The height in 0..1 that this map can hold and that is nearest to `height`.
+    pub(super) fn nearest_height(units: Option<u16>, height: f64) -> f32 {
+        let height = height.clamp(0.0, 1.0);
+        units.map_or(height as f32, |units| rounded(height, units))
+    }
+
+    /// For edits that keep every sample finite, in 0..1 and, where there are [`Self::units`], a multiple of one.
     pub(super) fn samples_mut(&mut self) -> &mut [f32] {
         &mut self.samples
     }
@@ -195,6 +228,18 @@ impl HeightField {
     }
 }
 
+/// Units for integers that span so much: a multiple of the span, as fine as 16 bits allow.
+fn units_for(span: f64) -> Option<u16> {
+    let most = f64::from(u16::MAX);
+    let span = span.max(1.0);
+    (span <= most).then(|| (span * (most / span).floor()) as u16)
+}
+
+/// `height`, 0..1, as a multiple of 1/`units`.
+fn rounded(height: f64, units: u16) -> f32 {
+    ((height * f64::from(units)).round() / f64::from(units)) as f32
+}
+
 /// Bilinear interpolation in f64 of a grid whose samples stand on the corners; `u` and `v` are clamped to 0..1.
 pub(super) fn bilinear(samples: &[f32], width: u32, height: u32, u: f64, v: f64) -> f64 {
     let split = |t: f64, count: u32| {
@@ -220,6 +265,23 @@ mod tests {
         assert_eq!(field.sample(9, 9), 0.0, "clamped to the last sample");
         let huge = HeightField::from_raw(2, 2, &[f64::MIN, 0.0, f64::MAX, 0.0]).unwrap();
         assert_eq!(huge.samples(), [0.0, 0.5, 1.0, 0.5], "a span beyond f64 does not overflow");
+    }
+
+    #[test]
+    fn sixteen_bits_hold_integers_and_nothing_finer() {
+        let units = |raw: &[f64]| HeightField::from_raw(2, 2, raw).unwrap().units();
+        assert_eq!(units(&[0.0, 65535.0, 7.0, 8.0]), Some(65535));
+        assert_eq!(units(&[-3.0, 252.0, 7.0, 8.0]), Some(65535), "eight bits: 257 units to a step");
+        assert_eq!(units(&[479.0, 2347.0, 480.0, 481.0]), Some(65380), "1868 metres: 35 units each");
+        assert_eq!(units(&[5.0; 4]), Some(65535), "flat");
+        assert_eq!(units(&[0.0, 65536.0, 7.0, 8.0]), None, "too far apart");
+        assert_eq!(units(&[0.0, 2.0, 0.5, 1.0]), None, "not whole");
+        let field = HeightField::from_raw(2, 2, &[0.0, 1.0, 0.3, 0.75]).unwrap();
+        assert_eq!(field.units(), None);
+        let rounded = field.rounded_to_16_bits();
+        assert_eq!(rounded.units(), Some(65535));
+        let expected = [0.0, 1.0, 19661.0 / 65535.0, 49151.0 / 65535.0].map(|height: f64| height as f32);
+        assert_eq!(rounded.samples(), expected, "to the nearest");
     }
 
     #[test]

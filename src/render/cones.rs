@@ -6,7 +6,7 @@ use std::borrow::Cow;
 use crate::gpu::Gpu;
 use crate::heightfield::{ConeKind, ConeMap, HeightField, SampleRect};
 
-use super::ground::{Texture, float_texture, upload};
+use super::ground::{Texture, empty_texture, upload};
 use super::ledger::TextureEntry;
 
 /// Cone maps of one state of the ground, and the textures of those in use.
@@ -52,7 +52,7 @@ impl Cones {
                 ConeKind::Cone => wgpu::TextureFormat::R32Float,
                 ConeKind::Relaxed => wgpu::TextureFormat::Rg32Float,
             };
-            let texture = float_texture(gpu, "cones", [width, height], format);
+            let texture = empty_texture(gpu, "cones", [width, height], format);
             let all = SampleRect { x: 0, y: 0, width, height };
             uploaded += upload(gpu, &texture.texture, [0, 0], map.slopes(), width, all);
             self.textures.push((kind, texture));

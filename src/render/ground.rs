@@ -3,6 +3,8 @@
 
 use std::borrow::Cow;
 
+use rayon::prelude::*;
+
 use crate::gpu::Gpu;
 use crate::heightfield::{
     ConeKind, Crater, CraterLayer, Edit, EditedTerrain, HeightField, MaxPyramid, NodeRect, SampleRect,
@@ -12,8 +14,10 @@ use crate::scene::{CraterMode, CraterSettings};
 use super::cones::Cones;
 use super::ledger::TextureEntry;
 
-/// Format of heights, maxima and displacements.
-const HEIGHT_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32Float;
+/// Format of heights and maxima that need floats, and of displacements.
+const FLOAT_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32Float;
+/// Format of heights and maxima that 16 bits hold.
+const UNITS_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R16Unorm;
 
 /// The walk starts at the level whose longer side has at most this many nodes: higher levels save no step, and a
 /// texture without them needs less padding.
@@ -26,6 +30,8 @@ const UPLOAD_BYTES: usize = 32 << 20;
 #[derive(Debug)]
 pub(super) struct Ground {
     terrain: EditedTerrain,
+    /// Textures hold heights as whole numbers of 1/`units`, in 16 bits; `None`: as floats.
+    units: Option<u16>,
     heights: Texture,
     /// Whether the heights on the GPU are those with the craters (the same as those without, while there are none).
     heights_have_craters: bool,
@@ -56,8 +62,11 @@ struct Layer {
 impl Ground {
     pub(super) fn new(gpu: &Gpu, terrain: EditedTerrain) -> Self {
         let map = terrain.base();
-        let heights = float_texture(gpu, "heights", [map.width(), map.height()], HEIGHT_FORMAT);
+        let units = map.units().filter(|_| gpu.capabilities.unorm16);
+        let format = if units.is_some() { UNITS_FORMAT } else { FLOAT_FORMAT };
+        let heights = empty_texture(gpu, "heights", [map.width(), map.height()], format);
         let mut ground = Self {
+            units,
             terrain,
             heights,
             heights_have_craters: true,
@@ -157,6 +166,11 @@ impl Ground {
         enough.map_or(levels.len(), |index| index + 1) as u32
     }
 
+    /// The height, as a share of the box's, that the textures' 1 stands for.
+    pub(super) fn height_unit(&self) -> f64 {
+        self.units.map_or(1.0, |units| f64::from(u16::MAX) / f64::from(units))
+    }
+
     /// Side in cells of a node of that level.
     pub(super) fn top_size(&self) -> f32 {
         (1u32 << self.top_level()) as f32
@@ -188,22 +202,55 @@ impl Ground {
     fn upload_heights(&mut self, gpu: &Gpu) {
         let field = self.resident();
         let all = SampleRect { x: 0, y: 0, width: field.width(), height: field.height() };
-        self.uploaded += upload(gpu, &self.heights.texture, [0, 0], field.samples(), field.width(), all);
+        self.uploaded += self.upload(gpu, &self.heights, [0, 0], field.samples(), field.width(), all);
+    }
+
+    /// Copies `rect` of a grid of heights into a texture of [`Self::units`]; see [`upload`].
+    fn upload(
+        &self,
+        gpu: &Gpu,
+        Texture { texture, .. }: &Texture,
+        place: [u32; 2],
+        heights: &[f32],
+        stride: u32,
+        rect: SampleRect,
+    ) -> u64 {
+        let Some(units) = self.units.map(f32::from) else {
+            return upload(gpu, texture, place, heights, stride, rect);
+        };
+        // Some rows at a time, so that a large map needs no second copy of itself.
+        let rows_at_once = (UPLOAD_BYTES / (rect.width as usize * size_of::<u16>())).max(1) as u32;
+        let (end, mut bytes) = (rect.y + rect.height, 0);
+        for y in (rect.y..end).step_by(rows_at_once as usize) {
+            let height = rows_at_once.min(end - y);
+            let mut whole = vec![0u16; rect.width as usize * height as usize];
+            whole.par_chunks_mut(rect.width as usize).enumerate().for_each(|(row, whole)| {
+                let first = (y as usize + row) * stride as usize + rect.x as usize;
+                // A height is nearest to the number it was made of; adding a half rounds to that.
+                let to_units = |height: &f32| (height * units + 0.5) as u16;
+                whole.iter_mut().zip(&heights[first..]).for_each(|(whole, height)| *whole = to_units(height));
+            });
+            let piece = SampleRect { x: 0, y: 0, width: rect.width, height };
+            bytes += upload(gpu, texture, [place[0] + rect.x, place[1] + y], &whole, rect.width, piece);
+        }
+        bytes
     }
 
     fn upload_edit(&mut self, gpu: &Gpu, edit: &Edit) {
         let field = self.terrain.field();
-        self.uploaded += upload(gpu, &self.heights.texture, [0, 0], field.samples(), field.width(), edit.samples);
-        let Some(texture) = &self.pyramid else { return };
-        let levels = self.terrain.pyramid().levels();
-        for &NodeRect { level, x, y, width, height } in &edit.nodes {
-            if level <= self.top_level() {
-                let data = &levels[level as usize - 1];
-                let rect = SampleRect { x, y, width, height };
-                let place = self.pyramid_layout().place_of(level);
-                self.uploaded += upload(gpu, &texture.texture, place, &data.data, data.width, rect);
+        let mut uploaded = self.upload(gpu, &self.heights, [0, 0], field.samples(), field.width(), edit.samples);
+        if let Some(texture) = &self.pyramid {
+            let levels = self.terrain.pyramid().levels();
+            for &NodeRect { level, x, y, width, height } in &edit.nodes {
+                if level <= self.top_level() {
+                    let data = &levels[level as usize - 1];
+                    let rect = SampleRect { x, y, width, height };
+                    let place = self.pyramid_layout().place_of(level);
+                    uploaded += self.upload(gpu, texture, place, &data.data, data.width, rect);
+                }
             }
         }
+        self.uploaded += uploaded;
     }
 
     fn upload_pyramid(&mut self, gpu: &Gpu) {
@@ -215,12 +262,14 @@ impl Ground {
             &of_base
         };
         let (levels, layout) = (self.top_level(), self.pyramid_layout());
-        let texture = float_texture(gpu, "pyramid", layout.size(), HEIGHT_FORMAT);
+        let texture = empty_texture(gpu, "pyramid", layout.size(), self.heights.texture.format());
+        let mut uploaded = 0;
         for (number, level) in (1..=levels).zip(pyramid.levels()) {
             let all = SampleRect { x: 0, y: 0, width: level.width, height: level.height };
             let place = layout.place_of(number);
-            self.uploaded += upload(gpu, &texture.texture, place, &level.data, level.width, all);
+            uploaded += self.upload(gpu, &texture, place, &level.data, level.width, all);
         }
+        self.uploaded += uploaded;
         self.pyramid = Some(texture);
     }
 
@@ -234,7 +283,7 @@ impl Ground {
         let size = [layer.width, layer.height];
         let texture = match self.layer.take() {
             Some(old) if old.size == size => old.texture,
-            _ => float_texture(gpu, "crater layer", size, HEIGHT_FORMAT),
+            _ => empty_texture(gpu, "crater layer", size, FLOAT_FORMAT),
         };
         let all = SampleRect { x: 0, y: 0, width: size[0], height: size[1] };
         self.uploaded += upload(gpu, &texture.texture, [0, 0], &layer.data, size[0], all);
@@ -283,8 +332,8 @@ impl PyramidLayout {
     }
 }
 
-/// A texture of floats that is filled by [`upload`].
-pub(super) fn float_texture(gpu: &Gpu, label: &str, size: [u32; 2], format: wgpu::TextureFormat) -> Texture {
+/// A texture that is filled by [`upload`].
+pub(super) fn empty_texture(gpu: &Gpu, label: &str, size: [u32; 2], format: wgpu::TextureFormat) -> Texture {
     let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
         label: Some(label),
         size: wgpu::Extent3d { width: size[0], height: size[1], depth_or_array_layers: 1 },
@@ -300,17 +349,17 @@ pub(super) fn float_texture(gpu: &Gpu, label: &str, size: [u32; 2], format: wgpu
 }
 
 /// Copies `rect` of a grid of texels, `stride` to a row, into `texture`, where the grid begins at `place`; returns the
-/// bytes copied.
-pub(super) fn upload(
+/// bytes copied. `T` is what a texel's channels are.
+pub(super) fn upload<T: bytemuck::Pod>(
     gpu: &Gpu,
     texture: &wgpu::Texture,
     place: [u32; 2],
-    data: &[f32],
+    data: &[T],
     stride: u32,
     rect: SampleRect,
 ) -> u64 {
     let channels = usize::from(texture.format().components());
-    let texel_bytes = channels * size_of::<f32>();
+    let texel_bytes = channels * size_of::<T>();
     let row_bytes = stride as usize * texel_bytes;
     let rows_at_once = (UPLOAD_BYTES / row_bytes).max(1) as u32;
     let mut y = rect.y;

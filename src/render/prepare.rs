@@ -228,9 +228,10 @@ impl Renderer {
         if !in_view(&box_clip) {
             return Ok(None);
         }
-        if key.filters_heights() && !self.gpu.capabilities.filterable_float32 {
+        let units = ground.terrain().base().units();
+        if key.filters_heights() && !self.gpu.capabilities.filters_heights(units, key.layered) {
             return Err(RenderError::Unsupported {
-                what: "hardware-linear filtering of heights",
+                what: "hardware-linear filtering of these heights",
                 needs: "the feature float32-filterable",
                 instead: "choose the filter `exact`, which is also more precise",
             });

@@ -306,7 +306,7 @@ pub(super) struct TerrainUniform {
     pub(super) diffuse: f32,
     pub(super) specular: f32,
     pub(super) shininess: f32,
-    pub(super) padding: f32,
+    pub(super) height_unit: f32,
     pub(super) sun: Vec3,
     pub(super) ambient: f32,
 }
@@ -347,7 +347,7 @@ impl TerrainUniform {
             diffuse: light.diffuse,
             specular: light.specular,
             shininess: light.shininess,
-            padding: 0.0,
+            height_unit: (extent.y * ground.height_unit()) as f32,
             sun: light.sun_direction().as_vec3(),
             ambient: light.ambient,
         }

@@ -87,7 +87,7 @@ fn rust_and_wgsl_agree_on_every_uniform() {
             diffuse,
             specular,
             shininess,
-            padding,
+            height_unit,
             sun,
             ambient,
         ]

@@ -17,7 +17,7 @@ pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
         }
         technique(ui, march);
         samples(ui, march);
-        filter(ui, march, panel.facts.filterable_float32);
+        filter(ui, march, panel.facts.filterable_heights);
         let tooltip = "Rays start at the height of the highest terrain and not at the lid of the box. Saves steps.";
         toggle(ui, &mut march.lower_start, "Lower start", tooltip);
         let tooltip = "Rays that meet nothing are discarded, which gives the terrain its silhouette; otherwise they \

@@ -90,7 +90,7 @@ mod tests {
             extent_metres: None,
             true_height_scale: own.y,
             map: Arc::clone(map),
-            filterable_float32: false,
+            filterable_heights: false,
             max_texture: 8192,
             adapter: ("adapter".into(), "driver".into()),
             ledger: Default::default(),
