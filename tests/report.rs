@@ -12,8 +12,13 @@ const COLUMNS: &str = "view,technique,samples_min,samples_max,by_angle,halvings,
 
 /// Runs `relief` in `folder`; its exit code and stderr.
 fn relief(folder: &Path, line: &str) -> (i32, String) {
+    relief_with(folder, line, &[])
+}
+
+/// The same with further environment variables.
+fn relief_with(folder: &Path, line: &str, environment: &[(&str, &str)]) -> (i32, String) {
     let mut command = Command::new(env!("CARGO_BIN_EXE_relief"));
-    command.current_dir(folder).args(line.split_whitespace());
+    command.current_dir(folder).args(line.split_whitespace()).envs(environment.iter().copied());
     if std::env::var_os("RELIEF_ADAPTER").is_none() {
         command.env("RELIEF_ADAPTER", "cpu");
     }
@@ -132,32 +137,60 @@ fn bad_input_is_a_message_and_an_exit_code() {
     }
 }
 
+/// Without timestamps the wall's clock is read, and both who waits and who reads the report learn of it.
+#[test]
+fn an_adapter_without_timestamps_is_measured_with_the_walls_clock() {
+    let folder = folder_with_map();
+    let scene = "terrain.file = \"map.png\"\n[camera]\neye = [0.5, 0.6, 1.5]\npitch = -30.0\n";
+    fs::write(folder.path().join("mine.toml"), scene).unwrap();
+    let line = "report -o out --quick --size 20x16 --scene mine.toml";
+    let (code, stderr) = relief_with(folder.path(), line, &[("RELIEF_TIMESTAMPS", "0")]);
+    assert_eq!(code, 0, "{stderr}");
+    assert!(stderr.contains("no timestamps") && stderr.contains("wall times"), "{stderr}");
+    let out = folder.path().join("out");
+    let ms = column("ms");
+    assert!(rows(&out).iter().all(|row| row[ms].parse::<f64>().is_ok_and(|ms| ms > 0.0)));
+    let markdown = fs::read_to_string(out.join("report.md")).unwrap();
+    assert!(markdown.contains("wall time from submitting to the end"), "{markdown}");
+    let json: serde_json::Value = serde_json::from_slice(&fs::read(out.join("report.json")).unwrap()).unwrap();
+    assert_eq!(json["timestamps"], false);
+}
+
 #[cfg(unix)]
 #[test]
-fn ctrl_c_keeps_what_was_measured() {
+fn ctrl_c_and_sigterm_keep_what_was_measured() {
     let folder = folder_with_map();
-    let mut command = Command::new(env!("CARGO_BIN_EXE_relief"));
-    if std::env::var_os("RELIEF_ADAPTER").is_none() {
-        command.env("RELIEF_ADAPTER", "cpu");
-    }
-    let child = command
-        .current_dir(folder.path())
-        .args(["report", "map.png", "-o", "out", "--size", "640x400"])
-        .stderr(std::process::Stdio::piped())
-        .spawn()
-        .unwrap();
+    let children = ["INT", "TERM"].map(|signal| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_relief"));
+        if std::env::var_os("RELIEF_ADAPTER").is_none() {
+            command.env("RELIEF_ADAPTER", "cpu");
+        }
+        let child = command
+            .current_dir(folder.path())
+            .args(["report", "map.png", "-o", signal, "--size", "640x400"])
+            .stderr(std::process::Stdio::piped())
+            .spawn()
+            .unwrap();
+        (signal, child)
+    });
     // Long enough for the first pictures on a slow machine; all of it takes minutes.
-    std::thread::sleep(std::time::Duration::from_secs(6));
-    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
-    let output = child.wait_with_output().unwrap();
-    let stderr = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(output.status.code(), Some(1), "{stderr}");
-    if stderr.contains("nothing was measured") {
-        assert!(!folder.path().join("out/report.md").exists());
-        return;
+    std::thread::sleep(std::time::Duration::from_secs(8));
+    for (signal, child) in &children {
+        let kill = Command::new("kill").args([format!("-{signal}"), child.id().to_string()]).status();
+        assert!(kill.unwrap().success(), "{signal}");
     }
-    assert!(stderr.contains("not finished") && stderr.contains("out"), "{stderr}");
-    assert!(!rows(&folder.path().join("out")).is_empty());
-    let markdown = fs::read_to_string(folder.path().join("out/report.md")).unwrap();
-    assert!(markdown.contains("**Not finished:**"), "{markdown}");
+    for (signal, child) in children {
+        let output = child.wait_with_output().unwrap();
+        let stderr = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(1), "{signal}: {stderr}");
+        let out = folder.path().join(signal);
+        if stderr.contains("nothing was measured") {
+            assert!(!out.join("report.md").exists());
+            continue;
+        }
+        assert!(stderr.contains("not finished") && stderr.contains(signal), "{stderr}");
+        assert!(!rows(&out).is_empty());
+        let markdown = fs::read_to_string(out.join("report.md")).unwrap();
+        assert!(markdown.contains("**Not finished:**"), "{markdown}");
+    }
 }

@@ -8,6 +8,8 @@ mod harness;
 
 #[path = "window/compare.rs"]
 mod compare;
+#[path = "window/cones.rs"]
+mod cones;
 #[path = "window/craters.rs"]
 mod craters;
 #[path = "window/flying.rs"]

@@ -59,7 +59,12 @@ impl Viewer {
         };
         let (folder, proxy) = (self.screenshots.clone(), self.proxy.clone());
         // What the picture shows, not what a key has changed since.
-        let scene = self.last_good.clone().unwrap_or_else(|| self.scene.clone());
+        let mut scene = self.last_good.clone().unwrap_or_else(|| self.scene.clone());
+        if let Some(drawn) = &self.drawn {
+            // Nor a technique whose cones are still being found.
+            scene.march.technique = drawn.march.technique;
+            scene.compare.technique = drawn.compare.technique;
+        }
         self.saving = true;
         let write = move || {
             let result = screenshot::save(&folder, &picture, &scene).map_err(|error| error.to_string());

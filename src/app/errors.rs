@@ -14,9 +14,9 @@ use crate::scene::{CraterMode, DebugView};
 
 impl Viewer {
     /// Whether the next frame is one of the measurement of the techniques: the window draws one of its own in between,
-    /// if anybody sees it.
+    /// if anybody sees it. While cones are found nothing is measured: it would be slow, or wait for them.
     pub(super) fn may_measure_tradeoff(&self) -> bool {
-        self.tradeoff.progress().is_some() && (self.hidden || !self.redraw.is_wanted())
+        self.tradeoff.progress().is_some() && !self.cones.is_busy() && (self.hidden || !self.redraw.is_wanted())
     }
 
     /// A frame of the measurement of the techniques.
@@ -98,7 +98,7 @@ impl Viewer {
         if !graphics.renderer.shows_reference() {
             return;
         }
-        let drawn = self.drawn.replace(visible_part(&self.scene));
+        let drawn = self.drawn.replace(visible_part(&self.drawable(graphics)));
         let current = self.question(graphics).is_some_and(|question| self.reference.is_about(&question));
         self.drawn = drawn;
         if !current {

@@ -13,6 +13,9 @@ use crate::heightfield::HeightField;
 use crate::render::RenderError;
 use crate::scene::{DebugView, Scene};
 
+/// How often it is told how far the search for cones is.
+const CONES_PAUSE: Duration = Duration::from_millis(200);
+
 /// How long to wait for a surface that is not ready.
 const SURFACE_PAUSE: Duration = Duration::from_millis(30);
 
@@ -122,7 +125,8 @@ impl Viewer {
         let timestamps = graphics.gpu.capabilities.timestamps;
         self.hint = self.hint.take().filter(|(_, until)| *until > now);
         let mut commands = Vec::new();
-        let mut output = ctx.run_ui(input, |ui| self.interface(ui, &mut commands, timestamps, now));
+        let drawable = self.drawable(graphics);
+        let mut output = ctx.run_ui(input, |ui| self.interface(ui, &drawable, (&mut commands, timestamps), now));
 
         if self.pointer.captured {
             output.platform_output.cursor_icon = egui::CursorIcon::None;
@@ -152,8 +156,14 @@ impl Viewer {
         (ui, commands)
     }
 
-    /// Everything that egui draws.
-    fn interface(&mut self, ui: &mut egui::Ui, commands: &mut Vec<Command>, timestamps: bool, now: Instant) {
+    /// Everything that egui draws; `drawable` is the scene as it is drawn.
+    fn interface(
+        &mut self,
+        ui: &mut egui::Ui,
+        drawable: &Scene,
+        (commands, timestamps): (&mut Vec<Command>, bool),
+        now: Instant,
+    ) {
         if self.view.panel {
             let mut panel = panel::Panel {
                 scene: &mut self.scene,
@@ -170,7 +180,8 @@ impl Viewer {
         if self.view.overlay {
             overlay::statistics(ui, &self.meter.times, self.steps(), &self.facts.ledger, timestamps);
         }
-        overlay::split(ui, &self.scene, self.pointer.splitting);
+        let names = [drawable.march.technique, drawable.compare.technique];
+        overlay::split(ui, &self.scene, names, self.pointer.splitting);
         match self.scene.debug.view {
             DebugView::Steps => overlay::legend(&ctx, self.free, self.scene.debug.heat_map_max),
             DebugView::Error => {
@@ -191,6 +202,9 @@ impl Viewer {
             overlay::hint(&ctx, self.free, "Preparing the first picture …", true);
         } else if let Some((text, _)) = &self.hint {
             overlay::hint(&ctx, self.free, text, false);
+        } else if let Some(text) = self.cones_in_words(drawable) {
+            overlay::hint(&ctx, self.free, &text, true);
+            self.redraw.wake_at(now + CONES_PAUSE);
         }
         self.toasts.show(&ctx, now);
     }
@@ -203,12 +217,14 @@ impl Viewer {
             self.redraw.invalidate();
             return Ok(());
         }
-        let visible = visible_part(&self.scene);
+        // What the panel has just changed may need other cones: no frame waits for them.
+        let drawable = self.drawable(graphics);
+        let visible = visible_part(&drawable);
         if self.drawn.as_ref() == Some(&visible) {
             return Ok(());
         }
         self.drop_stale_reference(graphics);
-        match graphics.renderer.draw(&self.scene, &graphics.target) {
+        match graphics.renderer.draw(&drawable, &graphics.target) {
             Ok(()) => {
                 let shows_reference = graphics.renderer.shows_reference();
                 if std::mem::replace(&mut self.shows_reference, shows_reference) != shows_reference {

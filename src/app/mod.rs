@@ -13,10 +13,11 @@
 //! | `settings`, `panel`, `overlay`, `toasts` | what egui draws |
 //! | `measure`, `tradeoff` | frame times and steps per ray; error against time of the techniques |
 //! | `errors` | what the viewer does with those of techniques |
-//! | `reference` | the f64 reference of the error view, on threads of its own |
+//! | `reference`, `cones` | the f64 reference of the error view, and cone maps, on threads of their own |
 //! | `loading`, `screenshot`, `status`, `watch` | files: maps, pictures, state for automated tests, shaders |
 
 mod commands;
+mod cones;
 mod controls;
 mod errors;
 mod frame;

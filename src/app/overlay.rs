@@ -9,7 +9,7 @@ use egui::{
 use super::controls::BINDINGS;
 use super::measure::{FRAMES, FrameTimes, Steps};
 use crate::render::{COVERS_SKY, ERROR_DECADES, Ledger, SEE_THROUGH, SKY_BOTH, heat_map_colour};
-use crate::scene::Scene;
+use crate::scene::{Scene, Technique};
 
 /// Distance of the overlays from the borders, points.
 const MARGIN: f32 = 10.0;
@@ -116,10 +116,10 @@ pub(crate) fn is_split(scene: &Scene) -> bool {
     scene.compare.enabled && scene.compare.technique != scene.march.technique
 }
 
-/// The line between two techniques, with the name of each on its side. `ui` is what the panel leaves free; the picture
+/// The line between two techniques, with the name of each that draws on its side. `ui` is what the panel leaves free; the picture
 /// fills the window. The mouse that drags the line is handled where it moves, because egui would miss a drag that leaves
 /// the line before the next frame.
-pub(crate) fn split(ui: &Ui, scene: &Scene, dragged: bool) {
+pub(crate) fn split(ui: &Ui, scene: &Scene, [left, right]: [Technique; 2], dragged: bool) {
     if !is_split(scene) {
         return;
     }
@@ -136,7 +136,7 @@ pub(crate) fn split(ui: &Ui, scene: &Scene, dragged: bool) {
     for (width, colour) in [(3.0, Color32::from_black_alpha(140)), (1.0, Color32::WHITE)] {
         painter.vline(x, free.y_range(), Stroke::new(width, colour));
     }
-    let names = [(scene.march.technique, Align2::RIGHT_TOP, -8.0), (scene.compare.technique, Align2::LEFT_TOP, 8.0)];
+    let names = [(left, Align2::RIGHT_TOP, -8.0), (right, Align2::LEFT_TOP, 8.0)];
     for (technique, align, beside) in names {
         let colour = Color32::from_gray(235);
         let text = painter.layout_no_wrap(technique.name().to_owned(), egui::FontId::proportional(15.0), colour);

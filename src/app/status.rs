@@ -12,7 +12,7 @@ use super::graphics::Graphics;
 use super::redraw::Next;
 use super::viewer::Viewer;
 use crate::render::Ledger;
-use crate::scene::Scene;
+use crate::scene::{Scene, Technique};
 
 /// Least time between two writes, unless the newer state is the last.
 pub(crate) const INTERVAL: Duration = Duration::from_millis(50);
@@ -50,6 +50,10 @@ pub(crate) struct Status<'a> {
     pub(crate) frame_ms: Times,
     /// The error view is compared with the f64 reference, and not with the exact technique.
     pub(crate) reference: bool,
+    /// The technique that drew the picture: not the scene's own while its cones are being found.
+    pub(crate) drawn_by: Option<Technique>,
+    /// The share of a map of cones that is found, 0 to 1, while one is being sought.
+    pub(crate) finding_cones: Option<f32>,
     /// Error against time of the techniques: how many settings were measured.
     pub(crate) tradeoff: usize,
     /// Steps per ray: mean and maximum, where they are measured.
@@ -192,6 +196,8 @@ impl Viewer {
             ledger: graphics.renderer.ledger(),
             frame_ms: Times { median: self.meter.times.quantile(0.5), p99: self.meter.times.quantile(0.99) },
             reference: self.shows_reference,
+            drawn_by: self.drawn.as_ref().map(|drawn| drawn.march.technique),
+            finding_cones: self.cones.progress(),
             tradeoff: self.tradeoff.results().len(),
             steps: self.steps(),
             toasts: self.toasts.history().collect(),
@@ -214,6 +220,7 @@ impl Viewer {
         let drawing = !self.hidden && (self.redraw.is_wanted() || self.fly.is_moving() || self.spins());
         let measuring = self.meter.next(now, self.measures_steps()) != Next::Never
             || self.reference.is_busy()
+            || self.cones.is_busy()
             || self.tradeoff.progress().is_some();
         let working = self.saving || self.wants_screenshot || self.reload_at.is_some() || self.loader.path().is_some();
         !(drawing || measuring || working)
@@ -293,6 +300,8 @@ mod tests {
                 ledger: &ledger,
                 frame_ms: Times { median: None, p99: None },
                 reference: false,
+                drawn_by: Some(Technique::MaxMipmap),
+                finding_cones: None,
                 tradeoff: 0,
                 steps: None,
                 toasts: vec!["hello"],

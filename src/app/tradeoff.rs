@@ -2,8 +2,8 @@
 //! between them.
 
 use crate::gpu::Target;
-use crate::heightfield::HeightField;
-use crate::render::{RenderError, Renderer};
+use crate::heightfield::{ConeKind, HeightField};
+use crate::render::{ConeGround, RenderError, Renderer};
 use crate::scene::{DebugView, Scene, Technique};
 
 /// Most uniform samples of the settings of a sampling technique; the fewest are a quarter of them, as in the study.
@@ -81,6 +81,17 @@ impl Tradeoff {
     /// The settings that are measured completely; none before the measurement is over.
     pub(crate) fn results(&self) -> &[Setting] {
         if self.run.is_some() { &[] } else { &self.settings }
+    }
+
+    /// The cones that the measurement under way needs and `renderer` does not know.
+    pub(crate) fn missing_cones(&self, renderer: &Renderer) -> Option<(ConeGround, Vec<ConeKind>)> {
+        self.run.as_ref()?;
+        let techniques = Technique::ALL.into_iter().filter(|technique| technique.cones().is_some());
+        techniques.into_iter().find_map(|technique| {
+            let mut scene = self.scene.clone();
+            scene.march.technique = technique;
+            renderer.missing_cones(&scene)
+        })
     }
 
     /// Whether the results are of another view than that of `scene`.

@@ -9,6 +9,7 @@ use winit::event_loop::{ActiveEventLoop, EventLoopProxy};
 use winit::keyboard::ModifiersState;
 use winit::window::Window;
 
+use super::cones::ConeFinder;
 use super::controls::{Fly, ground_below};
 use super::frame::FrameError;
 use super::graphics::Graphics;
@@ -65,6 +66,7 @@ pub(crate) struct Viewer {
     pub(super) redraw: Redraw,
     pub(super) meter: Meter,
     pub(super) reference: ReferenceWorker,
+    pub(super) cones: ConeFinder,
     /// The picture on screen is compared with the f64 reference.
     pub(super) shows_reference: bool,
     pub(super) tradeoff: Tradeoff,
@@ -140,6 +142,7 @@ impl Viewer {
             redraw: Redraw::default(),
             meter: Meter::default(),
             reference: ReferenceWorker::default(),
+            cones: ConeFinder::default(),
             shows_reference: false,
             tradeoff: Tradeoff::default(),
             hint: None,
@@ -249,6 +252,7 @@ impl Viewer {
             self.reload_at = None;
             self.reload_shaders(graphics, now)?;
         }
+        self.follow_cones(graphics);
         if self.measures_steps() {
             self.measure_steps(graphics, now)?;
         }
@@ -266,7 +270,8 @@ impl Viewer {
     }
 
     fn measure_steps(&mut self, graphics: &mut Graphics, now: Instant) -> Result<(), FrameError> {
-        match self.meter.measure_steps(&mut graphics.renderer, &self.scene, graphics.target.size(), now) {
+        let scene = self.drawable(graphics);
+        match self.meter.measure_steps(&mut graphics.renderer, &scene, graphics.target.size(), now) {
             Ok(false) => return Ok(()),
             Ok(true) => {}
             Err(RenderError::DeviceLost(lost)) => return Err(FrameError::Lost(lost)),
@@ -336,6 +341,8 @@ impl Viewer {
             UserEvent::Loaded => {}
             // So are the distances.
             UserEvent::Reference => {}
+            // And the cones.
+            UserEvent::Cones => {}
             UserEvent::ShadersChanged => self.reload_at = Some(now + SHADER_PAUSE),
             UserEvent::Screenshot(result) => {
                 self.saving = false;
@@ -360,6 +367,7 @@ impl Viewer {
         self.facts = Facts::new(&self.map, title, &graphics.gpu);
         (self.drawn, self.meter) = (None, Meter::default());
         self.reference.forget();
+        self.cones.forget();
         self.tradeoff.forget();
         send_textures_again(self.egui.egui_ctx());
         let message = format!("The GPU device was lost ({lost}) and has been set up again.");

@@ -30,6 +30,8 @@ pub(crate) enum UserEvent {
     Loaded,
     /// Distances of the reference were found.
     Reference,
+    /// Cones were found, or the search for them has ended otherwise.
+    Cones,
     /// A shader was saved.
     ShadersChanged,
     /// A screenshot was written, or could not be.

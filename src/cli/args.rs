@@ -40,7 +40,7 @@ Examples:
   relief report map.png -o quick --quick       under a minute
   relief report -o mine --scene screenshot.toml --size 640x400
 
-Ctrl-C ends it and writes what was measured until then.";
+Ctrl-C, or SIGTERM, ends it and writes what was measured until then.";
 
 /// Flies over height maps without a mesh: a fragment shader casts one ray per pixel through a unit cube.
 #[derive(Debug, Parser)]

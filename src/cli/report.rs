@@ -31,7 +31,10 @@ pub(crate) fn run(args: &ReportArgs) -> Result<(), Failure> {
         cameras
     };
     if !gpu.capabilities.timestamps {
-        super::warn("this adapter has no timestamps\n  times are wall times, from submitting a frame to its end");
+        super::warn(
+            "there are no timestamps: the adapter has none, or RELIEF_TIMESTAMPS=0 turns them off\n  \
+             times are wall times, from submitting a frame to its end",
+        );
     }
     let job = Job { map_name: source.name(), map: Arc::new(map), scene, views, size: args.size, quick: args.quick };
     let report = {
@@ -130,10 +133,10 @@ impl Outputs {
     }
 }
 
-/// Set by Ctrl-C.
+/// Set by Ctrl-C, and where a service or a batch system ends the program (SIGTERM, SIGHUP).
 static STOP: AtomicBool = AtomicBool::new(false);
 
-/// The progress bar, and Ctrl-C: the first ends the measuring, the second the program.
+/// The progress bar, and Ctrl-C or its like: the first ends the measuring, the second the program.
 struct Watch(Progress);
 
 impl Watch {
@@ -153,6 +156,7 @@ impl Watch {
 
 impl Monitor for Watch {
     fn tell(&self, what: &str, share: f64) {
+        log::debug!("{:.1} %: {what}", share * 100.0);
         let stopping = if self.stop() { "stopping after: " } else { "" };
         self.0.say(&format!("{stopping}{what}"));
         self.0.set(share as f32);

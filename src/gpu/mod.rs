@@ -19,6 +19,10 @@ pub use timing::FrameTimer;
 /// against the adapter's name. wgpu's own `WGPU_*` variables are honoured besides.
 pub const ADAPTER_VARIABLE: &str = "RELIEF_ADAPTER";
 
+/// Environment variable that leaves the GPU's clock alone when it is `0`: times are then the wall's, as they are on an
+/// adapter without timestamps. For drivers whose timestamps are wrong, and for tests.
+pub const TIMESTAMPS_VARIABLE: &str = "RELIEF_TIMESTAMPS";
+
 /// What a device offers beyond the baseline. Asked once, here; nothing in it is required.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Capabilities {
@@ -173,22 +177,25 @@ impl Gpu {
         most: wgpu::Features,
     ) -> Result<Arc<Self>, GpuError> {
         let adapter = Self::choose_adapter(&instance, surface).await?;
-        let offered = adapter.features() & most;
-        let wanted = wgpu::Features::TIMESTAMP_QUERY
-            | wgpu::Features::FLOAT32_FILTERABLE
-            | wgpu::Features::TEXTURE_FORMAT_16BIT_NORM;
+        let clock = if std::env::var_os(TIMESTAMPS_VARIABLE).is_some_and(|value| value == "0") {
+            wgpu::Features::empty()
+        } else {
+            wgpu::Features::TIMESTAMP_QUERY
+        };
+        let wanted = clock | wgpu::Features::FLOAT32_FILTERABLE | wgpu::Features::TEXTURE_FORMAT_16BIT_NORM;
+        let granted = adapter.features() & most & wanted;
         let limits = adapter.limits();
         let capabilities = Capabilities {
-            timestamps: offered.contains(wgpu::Features::TIMESTAMP_QUERY),
-            filterable_float32: offered.contains(wgpu::Features::FLOAT32_FILTERABLE),
-            unorm16: offered.contains(wgpu::Features::TEXTURE_FORMAT_16BIT_NORM),
+            timestamps: granted.contains(wgpu::Features::TIMESTAMP_QUERY),
+            filterable_float32: granted.contains(wgpu::Features::FLOAT32_FILTERABLE),
+            unorm16: granted.contains(wgpu::Features::TEXTURE_FORMAT_16BIT_NORM),
             max_texture: limits.max_texture_dimension_2d,
             software: adapter.get_info().device_type == wgpu::DeviceType::Cpu,
         };
         let (device, queue) = adapter
             .request_device(&wgpu::DeviceDescriptor {
                 label: Some("relief"),
-                required_features: offered & wanted,
+                required_features: granted,
                 required_limits: limits,
                 ..Default::default()
             })

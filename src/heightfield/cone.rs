@@ -49,7 +49,8 @@
 //! down from the lid of the box; those that start at an eye in a valley rise.) Policarpo and Oliveira only follow rays that
 //! start at the lid over the texel; the cone here holds for those that come to pass lower over it, too.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
@@ -93,29 +94,24 @@ impl ConeMap {
     /// Finds the cones of `field` on all cores. `progress` hears the share that is done, 0 to 1, from any thread and in no
     /// strict order. The result depends on the samples alone: neither on the proportion of the box nor on the threads.
     pub fn build(field: &HeightField, kind: ConeKind, progress: &(dyn Fn(f32) + Sync)) -> Self {
-        let search = Search::new(field, kind);
-        let (channels, cells) = (kind.channels(), field.cells());
-        let row_length = cells[0] as usize * channels;
-        let mut slopes = vec![0.0; row_length * cells[1] as usize];
-        let done = AtomicUsize::new(0);
-        slopes.par_chunks_mut(row_length).enumerate().for_each(|(row, slopes)| {
-            let mut waiting = Vec::new();
-            let mut near = vec![[0, row as u32]; channels];
-            for (column, slopes) in slopes.chunks_mut(channels).enumerate() {
-                let apex = search.apex(column as u32, row as u32);
-                // What a cone may hold, a wider one's ray may meet, too; and what bounded it often bounds that, too.
-                let (mut most, mut before) = (f32::INFINITY, [0, row as u32]);
-                for ((slope, near), relaxed) in slopes.iter_mut().zip(&mut near).zip([false, true]) {
-                    let (found, cell) = search.slope(&apex, relaxed, most, [*near, before], &mut waiting);
-                    // Upwards: rounding must not let ground in.
-                    *slope = found * (1.0 + ROUNDING);
-                    (*near, before, most) = (cell, cell, found);
-                }
-            }
-            let rows = done.fetch_add(1, Ordering::Relaxed) + 1;
-            progress(rows as f32 / cells[1] as f32);
-        });
-        Self { kind, cells, slopes }
+        let go_on = |share| {
+            progress(share);
+            ControlFlow::Continue(())
+        };
+        let mut map = Self { kind, cells: field.cells(), slopes: Vec::new() };
+        // Nobody breaks off, so nothing is missing.
+        map.slopes = slopes(field, kind, &go_on).unwrap_or_default();
+        map
+    }
+
+    /// Finds the cones of `field` like [`Self::build`], until `progress` breaks off: `None` then. It is asked once for each
+    /// row of cells; the rows that other threads have begun are still finished.
+    pub fn build_while(
+        field: &HeightField,
+        kind: ConeKind,
+        progress: &(dyn Fn(f32) -> ControlFlow<()> + Sync),
+    ) -> Option<Self> {
+        slopes(field, kind, progress).map(|slopes| Self { kind, cells: field.cells(), slopes })
     }
 
     /// What the cones may hold.
@@ -132,6 +128,26 @@ impl ConeMap {
     pub fn slopes(&self) -> &[f32] {
         &self.slopes
     }
+}
+
+/// The slopes of all cells, as [`ConeMap::slopes`] has them; `None` where `progress` breaks off.
+fn slopes(field: &HeightField, kind: ConeKind, progress: &(dyn Fn(f32) -> ControlFlow<()> + Sync)) -> Option<Vec<f32>> {
+    let search = Search::new(field, kind);
+    let (channels, cells) = (kind.channels(), field.cells());
+    let row_length = cells[0] as usize * channels;
+    let mut slopes = vec![0.0; row_length * cells[1] as usize];
+    let (done, over) = (AtomicUsize::new(0), AtomicBool::new(false));
+    slopes.par_chunks_mut(row_length).enumerate().for_each(|(row, slopes)| {
+        if over.load(Ordering::Relaxed) {
+            return;
+        }
+        search.row(row as u32, slopes);
+        let rows = done.fetch_add(1, Ordering::Relaxed) + 1;
+        if progress(rows as f32 / cells[1] as f32).is_break() {
+            over.store(true, Ordering::Relaxed);
+        }
+    });
+    (!over.into_inner()).then_some(slopes)
 }
 
 /// The cell that a cone stands on.
@@ -202,6 +218,7 @@ struct Waiting {
 /// What all searches over a map share.
 struct Search<'a> {
     field: &'a HeightField,
+    kind: ConeKind,
     cells: [u32; 2],
     maxima: MaxPyramid,
     /// Gradients of the pyramid's nodes, level by level; empty where no relaxed cone is sought.
@@ -210,7 +227,8 @@ struct Search<'a> {
 
 impl<'a> Search<'a> {
     fn new(field: &'a HeightField, kind: ConeKind) -> Self {
-        let mut search = Self { field, cells: field.cells(), maxima: MaxPyramid::build(field), gradients: Vec::new() };
+        let mut search =
+            Self { field, kind, cells: field.cells(), maxima: MaxPyramid::build(field), gradients: Vec::new() };
         if kind == ConeKind::Relaxed {
             for level in 1..=search.maxima.levels().len() {
                 let gradients = search.gradients_of_level(level as u32);
@@ -218,6 +236,24 @@ impl<'a> Search<'a> {
             }
         }
         search
+    }
+
+    /// Finds the slopes of a row of cells.
+    fn row(&self, row: u32, slopes: &mut [f32]) {
+        let channels = self.kind.channels();
+        let mut waiting = Vec::new();
+        let mut near = vec![[0, row]; channels];
+        for (column, slopes) in slopes.chunks_mut(channels).enumerate() {
+            let apex = self.apex(column as u32, row);
+            // What a cone may hold, a wider one's ray may meet, too; and what bounded it often bounds that, too.
+            let (mut most, mut before) = (f32::INFINITY, [0, row]);
+            for ((slope, near), relaxed) in slopes.iter_mut().zip(&mut near).zip([false, true]) {
+                let (found, cell) = self.slope(&apex, relaxed, most, [*near, before], &mut waiting);
+                // Upwards: rounding must not let ground in.
+                *slope = found * (1.0 + ROUNDING);
+                (*near, before, most) = (cell, cell, found);
+            }
+        }
     }
 
     fn gradients_of_level(&self, level: u32) -> Vec<Gradients> {

@@ -1,17 +1,17 @@
 //! The terrain's textures: heights, pyramid, cones, crater layer. Each exists only while a frame needs it, and an edit
-//! uploads only what it touched; after one all cones are found anew.
+//! uploads only what it touched.
 
-use std::borrow::Cow;
+use std::sync::Arc;
 
 use rayon::prelude::*;
 
 use crate::gpu::Gpu;
 use crate::heightfield::{
-    ConeKind, Crater, CraterLayer, Edit, EditedTerrain, HeightField, MaxPyramid, NodeRect, SampleRect,
+    ConeKind, ConeMap, Crater, CraterLayer, Edit, EditedTerrain, HeightField, MaxPyramid, NodeRect, SampleRect,
 };
 use crate::scene::{CraterMode, CraterSettings};
 
-use super::cones::Cones;
+use super::cones::{ConeGround, Cones, layer_resolution};
 use super::ledger::TextureEntry;
 
 /// Format of heights and maxima that need floats, and of displacements.
@@ -97,11 +97,9 @@ impl Ground {
             self.heights_have_craters = wants_craters;
             self.upload_heights(gpu);
             self.pyramid = None;
-            self.cones.clear();
         } else if let (true, Some(edit)) = (wants_craters, &edit) {
             self.heights_have_craters = true;
             self.upload_edit(gpu, edit);
-            self.cones.clear();
         }
         match (walks_pyramid, self.pyramid.is_some()) {
             (true, false) => self.upload_pyramid(gpu),
@@ -110,26 +108,41 @@ impl Ground {
         }
         if layered {
             self.prepare_layer(gpu, craters);
-        } else if self.layer.take().is_some() {
-            self.cones.clear();
+        } else {
+            self.layer = None;
         }
     }
 
-    /// Brings the cones up to date with the ground of the last [`Self::prepare`], or drops their textures. After a crater
-    /// this finds all of them anew, which can take seconds.
-    pub(super) fn prepare_cones(&mut self, gpu: &Gpu, needed: &[ConeKind], progress: &(dyn Fn(f32) + Sync)) {
-        let mut cones = std::mem::take(&mut self.cones);
-        self.uploaded += cones.prepare(gpu, needed, || self.shown(), progress);
-        self.cones = cones;
+    /// Brings the textures of the cones up to date with the ground of these craters, or drops them. Where the cones are not
+    /// known this finds them, which can take seconds, and longer on a large map.
+    pub(super) fn prepare_cones(
+        &mut self,
+        gpu: &Gpu,
+        craters: &CraterSettings,
+        needed: &[ConeKind],
+        progress: &(dyn Fn(f32) + Sync),
+    ) {
+        if needed.is_empty() {
+            self.cones.drop_textures();
+            return;
+        }
+        let ground = self.cone_ground(gpu, craters);
+        self.uploaded += self.cones.prepare(gpu, needed, &ground, progress);
     }
 
-    /// The ground at the map's samples as it is drawn, with the craters of the layer, too.
-    fn shown(&self) -> Cow<'_, HeightField> {
-        let base = self.terrain.base();
-        match &self.layer {
-            Some(layer) => Cow::Owned(CraterLayer::rasterise(&layer.craters, base, layer.resolution).apply_to(base)),
-            None => Cow::Borrowed(self.resident()),
-        }
+    /// What the cones stand on while the scene has these craters.
+    pub(super) fn cone_ground(&self, gpu: &Gpu, craters: &CraterSettings) -> ConeGround {
+        ConeGround::new(self.terrain.base(), craters, gpu.capabilities.max_texture)
+    }
+
+    /// The cone maps that are known.
+    pub(super) fn known_cones(&self) -> &Cones {
+        &self.cones
+    }
+
+    /// Takes a cone map that was found elsewhere.
+    pub(super) fn set_cones(&mut self, ground: ConeGround, map: Arc<ConeMap>) {
+        self.cones.keep(ground, map);
     }
 
     pub(super) fn cones(&self, kind: ConeKind) -> Option<&wgpu::TextureView> {
@@ -274,11 +287,10 @@ impl Ground {
     }
 
     fn prepare_layer(&mut self, gpu: &Gpu, craters: &CraterSettings) {
-        let resolution = craters.layer_resolution.clamp(2, gpu.capabilities.max_texture);
+        let resolution = layer_resolution(craters.layer_resolution, gpu.capabilities.max_texture);
         if self.layer.as_ref().is_some_and(|layer| layer.resolution == resolution && layer.craters == craters.list) {
             return;
         }
-        self.cones.clear();
         let layer = CraterLayer::rasterise(&craters.list, self.terrain.base(), resolution);
         let size = [layer.width, layer.height];
         let texture = match self.layer.take() {

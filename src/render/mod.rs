@@ -34,6 +34,7 @@ use crate::heightfield::colour::Diffuse;
 use crate::heightfield::{EditedTerrain, HeightField};
 use crate::scene::{DebugView, Scene};
 
+pub use cones::ConeGround;
 pub use error::RenderError;
 pub use heat_map::{COVERS_SKY, ERROR_DECADES, SEE_THROUGH, SKY_BOTH, error_colour, heat_map_colour};
 pub use ledger::{Ledger, TextureEntry};
@@ -87,7 +88,7 @@ pub struct Renderer {
 }
 
 /// A terrain whose slow parts are computed: the maximum pyramid and, with [`Self::with_colours`], the diffuse texture.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct PreparedTerrain {
     terrain: EditedTerrain,
     colours: Option<Diffuse>,

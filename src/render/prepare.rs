@@ -1,13 +1,16 @@
 //! From a scene to the draws of a frame: brings textures, pipelines and uniforms up to date.
 
 use std::rc::Rc;
+use std::sync::Arc;
 
 use glam::{DMat4, DVec3, DVec4};
 
 use crate::camera::{Camera, NamedView};
+use crate::heightfield::{ConeKind, ConeMap};
 use crate::scene::{DebugView, Scene};
 
 use super::beam::Beams;
+use super::cones::ConeGround;
 use super::cube::{clip_corners, in_view};
 use super::distances::ExactDistances;
 use super::frame::FrameUniform;
@@ -81,7 +84,7 @@ impl Renderer {
         if let Some(ground) = &mut self.ground {
             ground.prepare(&self.gpu, &scene.craters, beamed.is_some());
             let kinds: Vec<_> = terrains.iter().filter_map(|(_, key)| key.needs_cones()).collect();
-            ground.prepare_cones(&self.gpu, &kinds, &|_| {});
+            ground.prepare_cones(&self.gpu, &scene.craters, &kinds, &|_| {});
             if !probe && let Some(rect) = ground.take_changed() {
                 let field = ground.terrain().field();
                 self.uploaded += self.drape.as_mut().map_or(0, |drape| drape.update(&self.gpu, field, rect));
@@ -142,14 +145,45 @@ impl Renderer {
     }
 
     /// Finds what the technique of `scene` needs to know of the terrain, so that the next frame need not: its cone map,
-    /// where it steps along cones. `progress` hears the share that is done, 0 to 1, from any thread. Kept until the
-    /// ground changes; then, and without this call, a frame finds it by itself.
+    /// where it steps along cones. `progress` hears the share that is done, 0 to 1, from any thread. A map of cones is
+    /// of this ground alone, and kept; on another ground, and without this call, a frame finds it by itself.
     pub fn prepare_cones(&mut self, scene: &Scene, progress: &(dyn Fn(f32) + Sync)) {
         let key = TerrainKey::of(scene, false);
         let (Some(ground), Some(kind)) = (&mut self.ground, key.needs_cones()) else { return };
         ground.prepare(&self.gpu, &scene.craters, key.needs_pyramid());
-        ground.prepare_cones(&self.gpu, &[kind], progress);
+        ground.prepare_cones(&self.gpu, &scene.craters, &[kind], progress);
         self.uploaded += ground.take_uploaded();
+    }
+
+    /// The ground of `scene` and the kinds of cones on it that its next frame would have to find, because a technique of
+    /// the scene steps along them and they are not known; `None` where there is nothing to find.
+    ///
+    /// [`ConeMap::build_while`] finds them on [`ConeGround::field`], on another thread for instance;
+    /// [`Self::set_cones`] takes them.
+    pub fn missing_cones(&self, scene: &Scene) -> Option<(ConeGround, Vec<ConeKind>)> {
+        let ground = self.ground.as_ref()?;
+        let compared = scene.compare.enabled.then_some(scene.compare.technique);
+        let techniques = [Some(scene.march.technique), compared];
+        let keys = techniques.into_iter().flatten().map(|technique| TerrainKey::of_technique(scene, technique, false));
+        let mut kinds: Vec<_> = keys.filter_map(|key| key.needs_cones()).collect();
+        kinds.dedup();
+        if kinds.is_empty() {
+            return None;
+        }
+        let stand = ground.cone_ground(&self.gpu, &scene.craters);
+        kinds.retain(|&kind| ground.known_cones().find(&stand, kind).is_none());
+        (!kinds.is_empty()).then_some((stand, kinds))
+    }
+
+    /// Gives the renderer a map of cones for `ground`, so that no frame has to find it. It may serve several renderers. One
+    /// for a height map that is not the renderer's is of no use and not kept, nor is one with other cells.
+    pub fn set_cones(&mut self, ground: ConeGround, cones: Arc<ConeMap>) {
+        if let Some(own) = &mut self.ground
+            && Arc::ptr_eq(own.terrain().base(), ground.map())
+            && cones.cells() == ground.map().cells()
+        {
+            own.set_cones(ground, cones);
+        }
     }
 
     fn view(&self, scene: &Scene, size: [u32; 2]) -> View {

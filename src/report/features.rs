@@ -49,8 +49,8 @@ fn craters(job: &Job) -> Vec<Crater> {
 /// A feature's name, its figure of 2009, and what it changes in the base frame.
 type Change<'a> = (&'static str, Option<f64>, &'a dyn Fn(&mut Scene));
 
-/// The base frame first, then one change at a time.
-fn variants(job: &Job, scene: &Scene) -> Vec<(String, Scene, Option<f64>)> {
+/// The base frame first, then one change at a time, and each of the techniques `able`.
+fn variants(job: &Job, scene: &Scene, able: &[Technique]) -> Vec<(String, Scene, Option<f64>)> {
     let mut base = scene.clone();
     Setting::BASE.apply(&mut base.march);
     base.lighting.enabled = true;
@@ -79,18 +79,18 @@ fn variants(job: &Job, scene: &Scene) -> Vec<(String, Scene, Option<f64>)> {
             if name.ends_with("diffuse texture") && !base.diffuse.enabled { "with a diffuse texture" } else { name };
         (name.to_owned(), changed(change), known)
     });
-    let techniques = Technique::ALL.into_iter().filter(|&technique| technique != Setting::BASE.technique);
+    let techniques = able.iter().copied().filter(|&technique| technique != Setting::BASE.technique);
     let techniques = techniques.map(|technique| {
         (format!("`{}`", technique.name()), changed(&|scene| scene.march.technique = technique), None)
     });
     features.chain(techniques).collect()
 }
 
-/// Measures every feature in every view, `budget_s` seconds each.
+/// Measures every feature in every view, `budget_s` seconds each. `able` are the techniques that could be prepared.
 pub(super) fn measure(
     studio: &mut Studio,
     job: &Job,
-    scene: &Scene,
+    (scene, able): (&Scene, &[Technique]),
     budget_s: f64,
     features: &mut Vec<Feature>,
     left_out: &mut Vec<String>,
@@ -99,16 +99,23 @@ pub(super) fn measure(
     left_out.push(String::from(
         "Table 1, depth output: rays write their own depth, or nothing could be hidden by hills; it cannot be switched off",
     ));
-    let mut variants = variants(job, scene);
+    let mut variants = variants(job, scene, able);
     *features = variants
         .iter()
         .map(|(name, _, known)| Feature { name: name.clone(), views: Vec::new(), in_2009: *known })
         .collect();
+    let (began, views) = (Instant::now(), job.views.len());
     for (index, (view, camera)) in job.views.iter().enumerate() {
+        // Frames that are slow even when each is drawn as rarely as may be: better fewer views than fewer frames.
+        if index > 0 && began.elapsed().as_secs_f64() > budget_s * views as f64 {
+            let names: Vec<_> = job.views[index..].iter().map(|(name, _)| name.as_str()).collect();
+            left_out.push(format!("Table 1, because it would take too long: {}", names.join(", ")));
+            break;
+        }
         for (_, scene, _) in &mut variants {
             scene.camera = Some(*camera);
         }
-        let share = |done: f64| (index as f64 + done) / job.views.len() as f64;
+        let share = |done: f64| (index as f64 + done) / views as f64;
         let times = view_times(studio, job, &variants, budget_s, left_out, &|done| tell(share(done)))?;
         let base = times.first().and_then(|times| Times::of(times));
         for (feature, times) in features.iter_mut().zip(&times) {

@@ -3,6 +3,7 @@
 //! [`measure`] fills a [`Report`]; [`tables`] and [`plot`] put it into words and pictures. Errors are the same to the
 //! digit whenever they are measured with the same map, views, size and adapter; times are not.
 
+mod cones;
 mod edit;
 mod features;
 pub mod figures;
@@ -14,6 +15,7 @@ mod sweep;
 pub mod tables;
 
 use std::sync::Arc;
+use std::time::Instant;
 
 use serde::Serialize;
 
@@ -110,9 +112,13 @@ const PREPARATION_SHARE: f64 = 0.05;
 const FEATURES_SHARE: f64 = 0.15;
 const EDITS_SHARE: f64 = 0.05;
 
-/// Seconds that the parts may take, full and quick; the views share theirs.
+/// Seconds that the parts may take, full and quick, which with loading the map and drawing the plots makes ten minutes and
+/// one. The views share theirs; what preparations take is taken from them, down to [`LEAST_VIEWS_SECONDS`].
 const VIEWS_SECONDS: [f64; 2] = [330.0, 26.0];
-const FEATURES_SECONDS: [f64; 2] = [60.0, 6.0];
+const LEAST_VIEWS_SECONDS: [f64; 2] = [250.0, 18.0];
+const FEATURES_SECONDS: [f64; 2] = [50.0, 6.0];
+/// Seconds that a technique may take after edits.
+const EDIT_SECONDS: [f64; 2] = [25.0, 3.0];
 
 /// Measures everything in `job`. What was measured before the monitor asks to stop, or before the GPU fails, is in the
 /// report, which then says so.
@@ -126,7 +132,7 @@ pub fn measure(gpu: &Arc<Gpu>, job: &Job, monitor: &dyn Monitor) -> Result<Repor
     match halt {
         Some(Halt::Failed(error)) if nothing => return Err(error),
         Some(Halt::Failed(error)) => report.stopped = Some(error.to_string()),
-        Some(Halt::Asked) => report.stopped = Some(String::from("it was asked to stop (Ctrl-C)")),
+        Some(Halt::Asked) => report.stopped = Some(String::from("it was asked to stop (Ctrl-C or SIGTERM)")),
         None => {}
     }
     report.views.retain(|view| !view.rows.is_empty());
@@ -160,9 +166,13 @@ impl Report {
     fn fill(&mut self, gpu: &Arc<Gpu>, job: &Job, monitor: &dyn Monitor) -> Result<(), Halt> {
         let scene = neutral(&job.scene);
         let pace = usize::from(job.quick);
-        let mut studio = studio::Studio::new(gpu, &job.map, job.size);
+        let mut studio = studio::Studio::new(gpu, &job.map, job.size, &scene);
+        let began = Instant::now();
         let prepared = sweep::preparations(&mut studio, job, &scene, monitor, &mut self.left_out)?;
         let views = job.views.len().max(1) as f64;
+        monitor.tell("painting the ground", PREPARATION_SHARE);
+        studio.terrain();
+        let views_s = (VIEWS_SECONDS[pace] - began.elapsed().as_secs_f64()).max(LEAST_VIEWS_SECONDS[pace]);
         let share = (1.0 - PREPARATION_SHARE - FEATURES_SHARE - EDITS_SHARE) / views;
         for (index, (name, camera)) in job.views.iter().enumerate() {
             let begin = PREPARATION_SHARE + share * index as f64;
@@ -173,7 +183,7 @@ impl Report {
                 camera: *camera,
                 cell: self.cell,
                 prepared: &prepared,
-                budget_s: VIEWS_SECONDS[pace] / views,
+                budget_s: views_s / views,
                 tell: &|what, done| monitor.tell(&format!("{name}: {what}"), begin + share * done),
                 monitor,
             };
@@ -184,15 +194,22 @@ impl Report {
         }
         let begin = 1.0 - FEATURES_SHARE - EDITS_SHARE;
         let budget = FEATURES_SECONDS[pace] / views;
-        features::measure(&mut studio, job, &scene, budget, &mut self.features, &mut self.left_out, &|done| {
-            monitor.tell("the cost of each feature", begin + FEATURES_SHARE * done);
-            monitor.stop()
-        })?;
-        drop(studio);
-        edit::measure(gpu, job, &scene, &mut self.edits, &mut self.left_out, &|done| {
-            monitor.tell("after an edit", 1.0 - EDITS_SHARE + EDITS_SHARE * done);
-            monitor.stop()
-        })
+        let able: Vec<_> = prepared.iter().map(|known| known.technique).collect();
+        features::measure(
+            &mut studio,
+            job,
+            (&scene, &able),
+            budget,
+            &mut self.features,
+            &mut self.left_out,
+            &|done| {
+                monitor.tell("the cost of each feature", begin + FEATURES_SHARE * done);
+                monitor.stop()
+            },
+        )?;
+        studio.clear();
+        let digging = edit::Digging { studio: &studio, job, budget_s: EDIT_SECONDS[pace], monitor };
+        digging.measure(&scene, &prepared, &mut self.edits, &mut self.left_out)
     }
 }
 

@@ -1,10 +1,12 @@
 //! One view: every setting against the reference, and its time.
 
+use std::sync::Arc;
 use std::time::Instant;
 
 use rayon::prelude::*;
 use serde::Serialize;
 
+use super::cones::{self, Search, Watcher};
 use super::figures::{Figures, flip, nearest_rank};
 use super::rounds::{FEWEST, Times, has_turn, plan};
 use super::settings::Setting;
@@ -13,7 +15,7 @@ use super::{Halt, Job, Monitor};
 use crate::camera::{Camera, NamedView};
 use crate::gpu::Target;
 use crate::heightfield::reference::Surface;
-use crate::render::{Probe, RenderError};
+use crate::render::{Probe, RenderError, Renderer};
 use crate::scene::{Scene, Technique};
 
 /// Frames of each setting in the full and in the quick report, where the time suffices.
@@ -91,16 +93,46 @@ pub(super) fn front(points: &[Option<[f64; 2]>]) -> Vec<bool> {
 
 /// What a technique needs before its first frame.
 ///
-/// The wall time from handing a renderer a new map to the end of its first frame, median of up to three: pyramid and
-/// step maps are built and everything is uploaded. The frame has one pixel, and no light, colours or sky, which would
-/// need preparation of their own; the renderer has drawn the same with the technique before, so no shader is compiled.
+/// The wall time of finding its cones, where it steps along any, and that from handing a renderer a new map, with these
+/// cones, to the end of its first frame: the pyramid is built, everything is uploaded. Cones are found once for the whole
+/// report; the rest is the median of up to three, or the only one where it takes longer than [`SLOW_S`]. The frame has
+/// one pixel, and no light, colours or sky, which would need preparation of their own; but for slow ones the renderer has
+/// drawn the same with the technique before, so no shader is compiled.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Prepared {
     pub(super) technique: Technique,
     pub(super) ms: f64,
+    /// Seconds of it that the cones took; 0 where it needs none.
+    pub(super) finding_s: f64,
 }
 
-/// Measures the preparation of every technique.
+/// A preparation that takes longer, in seconds, is not done twice: compiling, some tenths of a second, hides in it.
+const SLOW_S: f64 = 4.0;
+
+/// Seconds that finding the cones of a technique may take, full and quick. The longer one is what a person would wait for
+/// once; both techniques together then leave most of ten minutes, and of one, to the views.
+const FINDING_SECONDS: [f64; 2] = [60.0, 6.0];
+
+/// Tells how far the cones of a technique are.
+struct Finding<'a> {
+    monitor: &'a dyn Monitor,
+    technique: Technique,
+    begin: f64,
+    share: f64,
+}
+
+impl Watcher for Finding<'_> {
+    fn tell(&self, share: f32) {
+        let what = format!("preparing {}: finding cones, {:.0} %", self.technique.name(), share * 100.0);
+        self.monitor.tell(&what, self.begin + self.share * f64::from(share));
+    }
+
+    fn stop(&self) -> bool {
+        self.monitor.stop()
+    }
+}
+
+/// Measures the preparation of every technique. One that takes too long is left out of the report.
 pub(super) fn preparations(
     studio: &mut Studio,
     job: &Job,
@@ -111,36 +143,67 @@ pub(super) fn preparations(
     let mut bare = scene.clone();
     (bare.lighting.enabled, bare.diffuse.enabled, bare.skybox.enabled) = (false, false, false);
     bare.camera = Some(NamedView::Down.camera(&job.map, job.map.box_size(scene.terrain.height_scale)));
-    let target = Target::new(&studio.gpu, [1, 1]);
+    let share = super::PREPARATION_SHARE / Technique::ALL.len() as f64;
     let mut prepared = Vec::new();
     for (index, technique) in Technique::ALL.into_iter().enumerate() {
-        let share = super::PREPARATION_SHARE * index as f64 / Technique::ALL.len() as f64;
-        monitor.tell(&format!("preparing {}", technique.name()), share);
-        bare.march.technique = technique;
-        let mut renderer = studio.fresh()?;
-        let mut times = Vec::new();
-        let began = Instant::now();
-        // The first is the warm-up.
-        while times.len() < 2 || (times.len() < 4 && began.elapsed().as_secs_f64() < 2.0) {
-            if monitor.stop() {
-                return Err(Halt::Asked);
-            }
-            let start = Instant::now();
-            renderer.set_terrain(job.map.clone())?;
-            match renderer.draw(&bare, &target).and_then(|()| renderer.wait_frame_time()) {
-                Ok(_) => times.push(start.elapsed().as_secs_f64() * 1e3),
-                Err(error @ RenderError::Unsupported { .. }) => {
-                    left_out.push(format!("`{}`: {}", technique.name(), first_line(&error)));
-                    break;
+        let begin = share * index as f64;
+        monitor.tell(&format!("preparing {}", technique.name()), begin);
+        let mut finding_s = 0.0;
+        if let Some(kind) = technique.cones() {
+            let budget_s = FINDING_SECONDS[usize::from(job.quick)];
+            match cones::find(&job.map, kind, budget_s, &Finding { monitor, technique, begin, share }) {
+                Search::Found(map, seconds) => {
+                    studio.keep(map);
+                    finding_s = seconds;
                 }
-                Err(error) => return Err(error.into()),
+                Search::TooLong(seconds) => {
+                    left_out.push(format!(
+                        "`{}`: finding its cones would take about {seconds:.0} s on this map and machine, and a technique \
+                         may be prepared for {budget_s:.0} s",
+                        technique.name()
+                    ));
+                    continue;
+                }
+                Search::Stopped => return Err(Halt::Asked),
             }
         }
-        let mut sorted: Vec<f64> = times.into_iter().skip(1).collect();
-        sorted.sort_by(f64::total_cmp);
-        prepared.extend(nearest_rank(&sorted, 50).map(|ms| Prepared { technique, ms }));
+        bare.march.technique = technique;
+        match first_frame_ms(studio, &bare, monitor)? {
+            Ok(ms) => prepared.push(Prepared { technique, ms: ms + finding_s * 1e3, finding_s }),
+            Err(error) => left_out.push(format!("`{}`: {}", technique.name(), first_line(&error))),
+        }
     }
     Ok(prepared)
+}
+
+/// Milliseconds from a new map to the end of the first frame of `scene`; or why this adapter cannot draw it.
+fn first_frame_ms(studio: &Studio, scene: &Scene, monitor: &dyn Monitor) -> Result<Result<f64, RenderError>, Halt> {
+    let target = Target::new(&studio.gpu, [1, 1]);
+    let mut renderer = Renderer::new(Arc::clone(&studio.gpu))?;
+    let mut times: Vec<f64> = Vec::new();
+    let began = Instant::now();
+    // The first is the warm-up.
+    while times.len() < 2 || (times.len() < 4 && began.elapsed().as_secs_f64() < 2.0) {
+        if monitor.stop() {
+            return Err(Halt::Asked);
+        }
+        let start = Instant::now();
+        renderer.set_terrain(Arc::clone(&studio.map))?;
+        studio.hand_over_cones(&mut renderer);
+        match renderer.draw(scene, &target).and_then(|()| renderer.wait_frame_time()) {
+            Ok(_) => times.push(start.elapsed().as_secs_f64() * 1e3),
+            Err(error @ RenderError::Unsupported { .. }) => return Ok(Err(error)),
+            Err(error) => return Err(error.into()),
+        }
+        if let [only] = times[..]
+            && only > SLOW_S * 1e3
+        {
+            return Ok(Ok(only));
+        }
+    }
+    let mut sorted = times.split_off(1);
+    sorted.sort_by(f64::total_cmp);
+    Ok(Ok(nearest_rank(&sorted, 50).unwrap_or_default()))
 }
 
 pub(super) fn first_line(error: &RenderError) -> String {
@@ -169,7 +232,7 @@ struct Shot {
 }
 
 /// Settings are only left out when a view would take this many times its budget: before, they get fewer rounds.
-const PATIENCE: f64 = 1.5;
+const PATIENCE: f64 = 1.4;
 
 /// Shares of a view's work.
 const REFERENCE: f64 = 0.03;
@@ -186,7 +249,9 @@ impl Sweep<'_> {
         let began = Instant::now();
         (self.tell)("the reference", 0.0);
         let surface = Surface::new(&self.job.map, self.job.map.box_size(self.scene.terrain.height_scale));
-        let reference = surface.distances(&self.camera, self.job.size, &|_| {});
+        let reference = surface.distances(&self.camera, self.job.size, &|share| {
+            (self.tell)("the reference", REFERENCE * f64::from(share));
+        });
         let ideal = self.ideal_picture(studio, &reference, left_out)?;
         let (shots, halt) = self.shots(studio, began, &report.name, left_out);
         (self.tell)("comparing with the reference", REFERENCE + SHOTS);
@@ -235,35 +300,56 @@ impl Sweep<'_> {
         view: &str,
         left_out: &mut Vec<String>,
     ) -> (Vec<Shot>, Option<Halt>) {
-        let ladder = Setting::ladder(self.job.quick);
-        let ladder: Vec<_> = ladder
-            .into_iter()
-            .filter(|setting| self.prepared.iter().any(|known| known.technique == setting.technique))
-            .collect();
-        let mut shots: Vec<Shot> = Vec::new();
-        for (index, &setting) in ladder.iter().enumerate() {
+        let known = |setting: &Setting| self.prepared.iter().any(|known| known.technique == setting.technique);
+        let mut ladder = Setting::ladder(self.job.quick);
+        ladder.retain(known);
+        // What the others are compared with comes first, and the dearest of every technique last.
+        let steps = |setting: &Setting| setting.samples.filter(|_| *setting != Setting::BASE).map(|samples| samples[1]);
+        let mut order: Vec<usize> = (0..ladder.len()).collect();
+        order.sort_by_key(|&index| steps(&ladder[index]));
+        let mut shots: Vec<(usize, Shot)> = Vec::new();
+        let (mut skipped, mut halt) = (Vec::new(), None);
+        for (done, &index) in order.iter().enumerate() {
             if self.monitor.stop() {
-                return (shots, Some(Halt::Asked));
+                halt = Some(Halt::Asked);
+                break;
             }
-            let what = format!("{} {}", setting.technique.name(), setting.words());
-            (self.tell)(&what, REFERENCE + SHOTS * index as f64 / ladder.len() as f64);
-            // Twice the steps take twice the time; there must be some for the rounds, too.
-            let last = shots.iter().rev().find(|shot| shot.setting.technique == setting.technique);
-            let expected_s = last.map_or(0.0, |shot| shot.frame_ms * 2e-3) * (FEWEST + 3) as f64;
-            if setting != Setting::BASE && began.elapsed().as_secs_f64() + expected_s > PATIENCE * self.budget_s {
-                left_out.push(format!(
-                    "{view}, `{}` {}: it would take too long",
-                    setting.technique.name(),
-                    setting.words()
-                ));
+            let setting = ladder[index];
+            let name = format!("`{}` {}", setting.technique.name(), setting.words());
+            (self.tell)(&name.replace('`', ""), REFERENCE + SHOTS * done as f64 / ladder.len() as f64);
+            if steps(&setting).is_some() && self.would_take_too_long(&setting, &shots, began) {
+                skipped.push((index, name));
                 continue;
             }
             match self.shot(studio, setting) {
-                Ok(shot) => shots.push(shot),
-                Err(error) => return (shots, Some(error.into())),
+                Ok(shot) => shots.push((index, shot)),
+                Err(error) => {
+                    halt = Some(error.into());
+                    break;
+                }
             }
         }
-        (shots, None)
+        skipped.sort();
+        let names: Vec<_> = skipped.into_iter().map(|(_, name)| name).collect();
+        if !names.is_empty() {
+            left_out.push(format!("{view}, because it would take too long: {}", names.join("; ")));
+        }
+        shots.sort_by_key(|(index, _)| *index);
+        (shots.into_iter().map(|(_, shot)| shot).collect(), halt)
+    }
+
+    /// Whether measuring one more setting, and so many frames of all as there have to be, would go beyond the time.
+    fn would_take_too_long(&self, setting: &Setting, shots: &[(usize, Shot)], began: Instant) -> bool {
+        // Twice the steps take twice the time, and so do those of every ray instead of some.
+        let last = shots
+            .iter()
+            .rev()
+            .find(|(_, shot)| shot.setting.technique == setting.technique && shot.setting != Setting::BASE);
+        let frame_s = last.map_or(0.0, |(_, shot)| shot.frame_ms * 2e-3);
+        // Its own frames and its probe; and the fewest rounds of all.
+        let all_s = shots.iter().map(|(_, shot)| shot.frame_ms * 1e-3).sum::<f64>() + frame_s;
+        let expected_s = began.elapsed().as_secs_f64() + 4.0 * frame_s + FEWEST as f64 * all_s;
+        expected_s > PATIENCE * self.budget_s
     }
 
     fn shot(&self, studio: &mut Studio, setting: Setting) -> Result<Shot, RenderError> {

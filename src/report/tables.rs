@@ -98,7 +98,7 @@ fn write_setup(out: &mut String, report: &Report) -> std::fmt::Result {
     let clock = if report.timestamps {
         "the GPU's clock: end of the last pass less begin of the first"
     } else {
-        "wall time from submitting to the end: this adapter has no timestamps"
+        "wall time from submitting to the end: there are no timestamps"
     };
     let rows = [
         ("machine", report.machine.clone()),
@@ -164,7 +164,8 @@ fn write_legend(out: &mut String, report: &Report) -> std::fmt::Result {
          *incoherent*: specks that the reference has not (1 % off the median of 3×3); *wrong*: seen through, covering sky, \
          or off by more than a cell; all in % of all pixels. *FLIP*: mean, against the same shading fed with the \
          reference's distances. *ratio*: to {base}. All settings of a view are timed in turn, one frame each, after a \
-         warm-up; *rounds* is how many frames each had. *prepare*: from a new map to a first frame of one pixel. **●** on \
+         warm-up; *rounds* is how many frames each had. *prepare*: from a new map to a first frame of one pixel, finding \
+         cones included. **●** on \
          the Pareto front of (ms, p99), **◆** on that of (ms, wrong).{}",
         if report.quick { " This is a quick report: few settings, few rounds." } else { "" }
     )
@@ -232,19 +233,21 @@ fn write_edits(out: &mut String, report: &Report) -> std::fmt::Result {
     writeln!(out, "\n## After an edit\n")?;
     writeln!(
         out,
-        "Five craters are dug, one after the other, two frames apart. Wall times; a first frame has the edit on the CPU and \
-         the upload in it. The frame after the last crater against a scene that was built with all of them:\n"
+        "{} craters are dug, one after the other, two frames apart, or fewer where the frames after them take long. Wall \
+         times; a first frame has the edit on the CPU, the search for new cones and the upload in it. The frame after the last crater against a scene that was built with all of them:\n",
+        super::edit::CRATERS
     )?;
     writeln!(
         out,
-        "| technique | first frame ms | ordinary frame ms | ratio | largest difference of distance | pixels that differ |"
+        "| technique | craters | first frame ms | ordinary frame ms | ratio | largest difference of distance | pixels that differ |"
     )?;
-    writeln!(out, "|---|---:|---:|---:|---:|---:|")?;
+    writeln!(out, "|---|---:|---:|---:|---:|---:|---:|")?;
     for edit in &report.edits {
         writeln!(
             out,
-            "| `{}` | {} | {} | {:.2}× | {} | {} |",
+            "| `{}` | {} | {} | {} | {:.2}× | {} | {} |",
             edit.technique.name(),
+            edit.craters,
             short(edit.first_frame.ms),
             short(edit.ordinary_frame.ms),
             edit.ratio,

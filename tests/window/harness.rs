@@ -314,9 +314,9 @@ impl Window {
     }
 }
 
-/// Whether the panel rests; the terrain may go on turning its cube.
+/// Whether the panel rests; the terrain may go on turning its cube, and the search for cones may go on behind it.
 fn calm(status: &Value) -> bool {
-    status["idle"] == true || status["scene"]["occluder"]["spin"] != 0.0
+    status["idle"] == true || status["scene"]["occluder"]["spin"] != 0.0 || status["finding_cones"].is_number()
 }
 
 /// A number of the status.

@@ -22,7 +22,8 @@ pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
             value,
             name: value.name(),
             off: None,
-            tooltip: "Draws what is right of the line. Where it is the march's own there is no line.",
+            tooltip: "Draws what is right of the line. Where it is the march's own there is no line. A technique whose \
+                      cones are still being found is drawn by max-mipmap meanwhile.",
         });
         let tooltip = "The technique on the right. Its pipeline is built on first use.";
         choose(ui, &mut compare.technique, &choices, "Compare with", tooltip, off.then_some(why));

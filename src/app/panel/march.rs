@@ -40,10 +40,12 @@ fn technique(ui: &mut Ui, march: &mut MarchSettings) {
                 "Uniform steps; the ground in the last one is taken for a straight line. Misses what is thinner than a step."
             }
             Technique::Cone => {
-                "Steps as long as a cone without ground allows, then halvings. Prepared for seconds, and again after a crater."
+                "Steps as long as a cone without ground allows, then halvings. The cones are found in the \
+                 background, for seconds, and again after a crater; until then max-mipmap draws."
             }
             Technique::RelaxedCone => {
-                "Steps as long as a cone allows whose ground a ray enters only once, then halvings. Prepared for longer."
+                "Steps as long as a cone allows whose ground a ray enters only once, then halvings. Its cones take longer to find; \
+                 until then max-mipmap draws."
             }
             Technique::MaxMipmap => "Exact: skips along a pyramid of maxima and meets the bilinear surface itself.",
         },

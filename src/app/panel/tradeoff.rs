@@ -37,7 +37,7 @@ pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
         let progress = panel.tradeoff.progress();
         let tooltip = "Measures the view on screen with each technique, and a few sample counts of those that take samples: \
                        milliseconds per frame, and the distance error against max-mipmap in cells. Takes some hundred \
-                       frames, one between two of the window's own.";
+                       frames, one between two of the window's own, once the cones are found that are needed.";
         let busy = progress.map(|_| "a measurement is under way");
         if button_unless(ui, "Measure techniques", tooltip, busy) {
             panel.commands.push(Command::MeasureTradeoff);
