@@ -70,7 +70,7 @@ fn vs_main(@builtin(vertex_index) index: u32) -> varyings::Varyings {
 }
 
 struct Fragment {
-    // The picture, linear light; or, for a probe: distance, steps, capped, 1.
+    // The picture, linear light; or, for a probe: distance, steps, capped, view depth beyond `frame.ray_start`.
     @location(0) color: vec4f,
 #ifndef VIEW_POSITION
     @builtin(frag_depth) depth: f32,
@@ -177,7 +177,7 @@ fn fs_main(in: varyings::Varyings) -> Fragment {
     let written = min(NEAR / max(depth, NEAR), 1.0);
 
 #ifdef PROBE
-    return Fragment(vec4f(depth * length_of_direction, f32(hit.steps), f32(hit.capped), 1.0), written);
+    return Fragment(vec4f(depth * length_of_direction, f32(hit.steps), f32(hit.capped), span.begin + at), written);
 #endif
 #ifdef VIEW_STEPS
     return Fragment(vec4f(heat_map(f32(hit.steps) / terrain.heat_map_max), 1.0), written);

@@ -11,7 +11,7 @@
 //! | [`files`] | writing files whole or not at all |
 //! | [`gpu`] | the device and what it can do, targets and readback, timing, shader composition |
 //! | [`render`] | the [`Renderer`](render::Renderer), one file per pass with the stem of its shader, the ledger |
-//! | [`report`] | error against run time: the figures, the sweep, tables and plots |
+//! | [`report`] | error against run time: the figures, the sweep, tables and plots; the stiff and extreme cases |
 //! | [`app`] | the window: input, panel, overlays. Only here are winit and egui |
 //! | [`cli`] | the commands |
 //!

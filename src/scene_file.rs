@@ -155,7 +155,7 @@ pub fn validate(scene: &Scene) -> Result<(), OutOfRange> {
         }
         check("camera.yaw", camera.yaw, Included(-ANGLE), Included(ANGLE))?;
         check("camera.pitch", camera.pitch, Included(-90.0), Included(90.0))?;
-        check("camera.fov", camera.fov, Excluded(0.0), Excluded(180.0))?;
+        check("camera.fov", camera.fov, Included(NARROWEST), Excluded(180.0))?;
     }
     let steps = f64::from(MOST_SAMPLES);
     check("march.samples_min", march.samples_min, Included(1.0), Included(steps))?;
@@ -194,6 +194,9 @@ pub fn validate(scene: &Scene) -> Result<(), OutOfRange> {
 pub(crate) const FARTHEST: f64 = 1e6;
 /// Largest angle in degrees: many turns, yet exact to a thousandth of a degree.
 const ANGLE: f64 = 1e9;
+/// Narrowest field of view in degrees: a thousandth of what fills a picture from [`FARTHEST`] away. In one as narrow as
+/// f64 allows, no pixel has a direction of its own.
+pub(crate) const NARROWEST: f64 = 1e-7;
 /// Most uniform samples per ray: as many as texels along the largest texture, several times over.
 pub(crate) const MOST_SAMPLES: u32 = 65536;
 /// Most halvings: the 24 bits of a single-precision distance cannot be halved more often.

@@ -18,12 +18,8 @@ use relief::heightfield::generate::{Kind, generate};
 use relief::heightfield::reference::Surface;
 use relief::heightfield::{CraterLayer, EditedTerrain, HeightField};
 use relief::render::Renderer;
+use relief::report::comparison::{self, BAND_PIXELS};
 use relief::scene::{CraterMode, HeightFilter, MarchSettings, Scene, Technique};
-
-/// The tangency band: a pixel is in it when rays this many pixels beside its own do not all agree with it on whether
-/// there is ground at all. The GPU's rays are f32: along a silhouette it may rightly decide otherwise. A thousandth of
-/// a pixel is far below what a picture shows.
-const BAND_PIXELS: f64 = 1e-3;
 
 /// At most one pixel in this many may be excused by the band.
 const PIXELS_PER_EXCUSE: usize = 100_000;
@@ -31,72 +27,33 @@ const PIXELS_PER_EXCUSE: usize = 100_000;
 /// Largest error of all but 1 % of the hits, in cells.
 const MOST_ERROR_CELLS: f64 = 1e-3;
 
-/// What an f32 distance can resolve, as a share of it.
-const RESOLUTION: f64 = 2.4e-7;
-
 /// Size of the measured pictures.
 const SIZE: [u32; 2] = [640, 400];
 
-/// One picture against the reference.
-#[derive(Debug, Default)]
+/// One picture against the reference, and how many of its walks were cut off.
+#[derive(Debug)]
 struct Comparison {
-    pixels: usize,
-    hits: usize,
-    /// The reference hits and the GPU does not, outside the band.
-    missed: usize,
-    /// The reverse.
-    invented: usize,
-    /// Both hit, but more than a cell apart, outside the band.
-    astray: usize,
-    /// Disagreements inside the band.
-    tangent: usize,
-    /// Sorted distance errors of common hits, world units.
-    errors: Vec<f64>,
+    figures: comparison::Comparison,
     cap_hits: u32,
-    cell: f64,
+}
+
+impl std::ops::Deref for Comparison {
+    type Target = comparison::Comparison;
+
+    fn deref(&self) -> &comparison::Comparison {
+        &self.figures
+    }
 }
 
 impl Comparison {
     /// Compares the probe of `scene` with the first hits of `field`'s surface.
     fn of(renderer: &mut Renderer, scene: &Scene, field: &HeightField, size: [u32; 2]) -> Self {
         let extent = field.box_size(scene.terrain.height_scale);
-        let camera = scene.camera.unwrap();
         let probe = renderer.probe(scene, size).unwrap();
+        let cell = extent.x / f64::from(field.cells()[0]);
         let surface = Surface::new(field, extent);
-        let expected = surface.distances(&camera, size, &|_| {});
-        let mut result = Self {
-            pixels: expected.len(),
-            hits: expected.iter().filter(|distance| distance.is_finite()).count(),
-            cap_hits: probe.cap_hits,
-            cell: extent.x / f64::from(field.cells()[0]),
-            ..Self::default()
-        };
-        for (index, (&expected, &actual)) in expected.iter().zip(&probe.distance).enumerate() {
-            let (x, y) = (index as u32 % size[0], index as u32 / size[0]);
-            let tangent = || surface.is_tangent(&camera, x, y, size, BAND_PIXELS);
-            if expected.is_finite() && (f64::from(actual) - expected).abs() > result.cell + RESOLUTION * expected {
-                if jumps_within_band(&surface, &camera, [x, y], size, f64::from(actual), result.cell) {
-                    result.tangent += 1;
-                    continue;
-                }
-                result.astray += usize::from(actual.is_finite());
-            }
-            match (expected.is_finite(), actual.is_finite()) {
-                (true, true) => result.errors.push((f64::from(actual) - expected).abs()),
-                (false, false) => {}
-                _ if tangent() => result.tangent += 1,
-                (true, false) => result.missed += 1,
-                (false, true) => result.invented += 1,
-            }
-        }
-        result.errors.sort_by(f64::total_cmp);
-        result
-    }
-
-    /// Error that a share of the hits does not exceed, in cells.
-    fn quantile(&self, share: f64) -> f64 {
-        let last = self.errors.len().saturating_sub(1) as f64;
-        self.errors.get((last * share).round() as usize).map_or(0.0, |error| error / self.cell)
+        let figures = comparison::Comparison::of(&surface, &scene.camera.unwrap(), size, &probe.distance, cell);
+        Self { figures, cap_hits: probe.cap_hits }
     }
 
     fn print(&self, name: &str) {
@@ -129,26 +86,6 @@ impl Comparison {
         assert!(self.hits > 0, "{name} shows no ground: nothing was compared");
         assert!(self.quantile(0.99) < MOST_ERROR_CELLS, "{name}: p99 {} cells", self.quantile(0.99));
     }
-}
-
-/// Whether a ray within the band beside the pixel's own meets the ground within a cell of `actual`: the ray passes a
-/// silhouette, and whether it meets the hill or what is behind it may rightly be decided otherwise.
-fn jumps_within_band(
-    surface: &Surface<'_>,
-    camera: &Camera,
-    [x, y]: [u32; 2],
-    size: [u32; 2],
-    actual: f64,
-    cell: f64,
-) -> bool {
-    let near = |dx: f64, dy: f64| {
-        let ray = camera.ray(f64::from(x) + 0.5 + dx, f64::from(y) + 0.5 + dy, size);
-        let distance = surface.intersect(&ray).map_or(f64::INFINITY, |hit| hit.position.distance(camera.eye));
-        distance == actual || (distance - actual).abs() < cell
-    };
-    [(-BAND_PIXELS, 0.0), (BAND_PIXELS, 0.0), (0.0, -BAND_PIXELS), (0.0, BAND_PIXELS)]
-        .into_iter()
-        .any(|(dx, dy)| near(dx, dy))
 }
 
 /// Asserts that the band excuses few enough pixels of all comparisons together.

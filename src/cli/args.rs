@@ -42,6 +42,17 @@ Examples:
 
 Ctrl-C, or SIGTERM, ends it and writes what was measured until then.";
 
+const STRESS_EXAMPLES: &str = "\
+Examples:
+  relief stress -o stress                      all cases, and the bound over map sizes up to the adapter's limit
+  relief stress -o quick --quick               under a minute
+  relief stress --list                         the names of the cases
+  relief stress -o some --case needles --case fov-0.001
+
+Exit code 1 means that max-mipmap broke its promise, and stress.md says where: ground missed or invented outside the
+tangency band, an error above the bound, a distance that is no number, a walk that was cut off, an error of the driver.
+Ctrl-C ends it and writes what was measured until then.";
+
 /// Flies over height maps without a mesh: a fragment shader casts one ray per pixel through a unit cube.
 #[derive(Debug, Parser)]
 #[command(name = "relief", version, after_help = EXAMPLES, args_conflicts_with_subcommands = true, max_term_width = 110)]
@@ -62,6 +73,9 @@ pub(crate) enum Command {
     /// Measure every technique: how wrong it is and what it costs
     #[command(after_help = REPORT_EXAMPLES)]
     Report(ReportArgs),
+    /// Show for every technique where it breaks, and that the exact one does not: stiff terrain, extreme views and edits
+    #[command(after_help = STRESS_EXAMPLES)]
+    Stress(StressArgs),
     /// Say what a height map holds
     Info(InfoArgs),
     /// Make a height map
@@ -133,6 +147,26 @@ pub(crate) struct ReportArgs {
     #[arg(long, value_name = "S", value_parser = parse::height_scale, allow_negative_numbers = true)]
     pub(crate) height_scale: Option<f64>,
     /// Few settings and rounds: under a minute instead of some ten
+    #[arg(long)]
+    pub(crate) quick: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct StressArgs {
+    /// The folder for stress.md, stress.csv, stress.json, contact-sheet.png, and stress-bound.svg and .png where the bound
+    /// was measured; made where it is missing
+    #[arg(short, long, value_name = "DIR", required_unless_present = "list")]
+    pub(crate) output: Option<PathBuf>,
+    /// Only the cases whose names contain this; repeatable [default: all, and the bound over map sizes]
+    #[arg(long = "case", value_name = "NAME")]
+    pub(crate) cases: Vec<String>,
+    /// Print the names of the cases, and measure nothing
+    #[arg(long)]
+    pub(crate) list: bool,
+    /// Size of the measured pictures in pixels; some cases have their own [default: 320x200, with --quick 64x40]
+    #[arg(long, value_name = "WxH", value_parser = parse::size)]
+    pub(crate) size: Option<[u32; 2]>,
+    /// Smaller maps and fewer views: under a minute instead of some ten
     #[arg(long)]
     pub(crate) quick: bool,
 }

@@ -9,8 +9,10 @@ mod parse;
 mod progress;
 mod render;
 mod report;
+mod stress;
 mod terrain;
 mod view;
+mod watch;
 
 use std::io::{ErrorKind, IsTerminal, Write};
 use std::process::ExitCode;
@@ -45,6 +47,7 @@ fn execute(cli: &Cli) -> Result<(), Failure> {
         Some(Command::View(args)) => view::run(args),
         Some(Command::Render(args)) => render::run(args),
         Some(Command::Report(args)) => report::run(args),
+        Some(Command::Stress(args)) => stress::run(args),
         Some(Command::Info(args)) => info::run(args),
         Some(Command::Generate(args)) => generate::run(args),
         Some(Command::Completions { shell }) => {

@@ -69,6 +69,15 @@ impl Output {
     }
 }
 
+/// Makes a folder for several files, with those it lies in.
+pub(crate) fn make_folder(folder: &Path) -> Result<(), Failure> {
+    fs::create_dir_all(folder).map_err(|error| {
+        // What stands in the way is a file; the system's words for it differ.
+        let file = folder.is_file();
+        cannot_write(folder, &if file { io::ErrorKind::NotADirectory.into() } else { error })
+    })
+}
+
 fn absolute(path: &Path) -> PathBuf {
     std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf())
 }

@@ -8,7 +8,7 @@ use glam::DVec3;
 
 use crate::heightfield::{Crater, HEIGHT_SCALES};
 use crate::scene::{CompareSettings, CraterSettings, Technique};
-use crate::scene_file::{FARTHEST, MOST_HALVINGS, MOST_SAMPLES};
+use crate::scene_file::{FARTHEST, MOST_HALVINGS, MOST_SAMPLES, NARROWEST};
 
 /// A crater as far as the command line gives it: the brush of the scene fills in the rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -151,7 +151,7 @@ pub(crate) fn height_scale(text: &str) -> Result<f64, String> {
 
 /// Vertical field of view in degrees.
 pub(crate) fn fov(text: &str) -> Result<f64, String> {
-    in_range(text, |fov| fov > 0.0 && fov < 180.0, "more than 0 and less than 180 degrees")
+    in_range(text, |fov| (NARROWEST..180.0).contains(&fov), "at least 0.0000001 and less than 180 degrees")
 }
 
 /// Repeats of the diffuse texture.

@@ -1,19 +1,16 @@
 //! `relief report`: error against run time, as tables and plots.
 
-use std::fs;
-use std::io;
 use std::path::Path;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::args::ReportArgs;
-use super::failure::{Exit, Failure, cannot_write};
-use super::output::Output;
-use super::progress::Progress;
+use super::failure::{Exit, Failure};
+use super::output::{Output, make_folder};
 use super::terrain::{self, Source};
+use super::watch::Watch;
 use crate::camera::{Camera, NamedView};
 use crate::heightfield::{EditedTerrain, HeightField};
-use crate::report::{self, Job, Monitor, Report, plot, tables};
+use crate::report::{self, Job, Report, plot, tables};
 use crate::scene::Scene;
 use crate::scene_file;
 
@@ -103,11 +100,7 @@ struct Outputs {
 impl Outputs {
     /// Makes the folder and checks that every file can be written.
     fn prepare(folder: &Path) -> Result<Self, Failure> {
-        fs::create_dir_all(folder).map_err(|error| {
-            // What stands in the way is a file; the system's words for it differ.
-            let file = folder.is_file();
-            cannot_write(folder, &if file { io::ErrorKind::NotADirectory.into() } else { error })
-        })?;
+        make_folder(folder)?;
         let output = |name: &str| Output::prepare(&folder.join(name));
         Ok(Self {
             markdown: output("report.md")?,
@@ -130,39 +123,5 @@ impl Outputs {
         self.markdown.write(tables::markdown(report).as_bytes())?;
         self.svg.write(svg.as_bytes())?;
         self.png.write(&png)
-    }
-}
-
-/// Set by Ctrl-C, and where a service or a batch system ends the program (SIGTERM, SIGHUP).
-static STOP: AtomicBool = AtomicBool::new(false);
-
-/// The progress bar, and Ctrl-C or its like: the first ends the measuring, the second the program.
-struct Watch(Progress);
-
-impl Watch {
-    fn start() -> Self {
-        let handler = || {
-            if STOP.swap(true, Ordering::Relaxed) {
-                std::process::exit(Exit::Failed as i32);
-            }
-        };
-        // Without a handler Ctrl-C ends the program at once, as it does elsewhere.
-        if let Err(error) = ctrlc::set_handler(handler) {
-            log::debug!("no handler for Ctrl-C: {error}");
-        }
-        Self(Progress::start("measuring").with_time_left())
-    }
-}
-
-impl Monitor for Watch {
-    fn tell(&self, what: &str, share: f64) {
-        log::debug!("{:.1} %: {what}", share * 100.0);
-        let stopping = if self.stop() { "stopping after: " } else { "" };
-        self.0.say(&format!("{stopping}{what}"));
-        self.0.set(share as f32);
-    }
-
-    fn stop(&self) -> bool {
-        STOP.load(Ordering::Relaxed)
     }
 }

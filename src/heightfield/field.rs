@@ -92,7 +92,8 @@ impl HeightField {
         let half_span = high * 0.5 - low * 0.5;
         let normalise = |&value: &T| {
             let above = value.into() * 0.5 - low * 0.5;
-            if half_span > 0.0 { (above / half_span) as f32 } else { 0.0 }
+            // The sum makes 0 of -0.
+            if half_span > 0.0 { (above / half_span) as f32 + 0.0 } else { 0.0 }
         };
         let samples = raw.par_iter().map(normalise).collect();
         let units = if whole { units_for(high - low) } else { None };

@@ -33,11 +33,7 @@ impl FrameUniform {
         let basis = camera.basis();
         let pixel = camera.pixel_size(size[1]);
         let (right, down) = (basis.right * pixel, -basis.up * pixel);
-        // The depth at which the nearest corner of the box lies, if all of it lies ahead.
-        let start = (0..8)
-            .map(|index| basis.forward.dot(corner(index) * extent - camera.eye))
-            .fold(f64::INFINITY, f64::min)
-            .max(0.0);
+        let start = ray_start(camera, extent);
         Self {
             clip_from_world: camera.clip_from_world(size).as_mat4().to_cols_array_2d(),
             ray_origin: (camera.eye + basis.forward * start).as_vec3(),
@@ -54,6 +50,13 @@ impl FrameUniform {
             centre_y: size[1] as f32 * 0.5,
         }
     }
+}
+
+/// View depth from which rays count their parameter: that of the nearest corner of the box, if all of it lies ahead.
+pub(crate) fn ray_start(camera: &Camera, extent: DVec3) -> f64 {
+    let forward = camera.basis().forward;
+    let depth = |index: usize| forward.dot(corner(index) * extent - camera.eye);
+    (0..8).map(depth).fold(f64::INFINITY, f64::min).max(0.0)
 }
 
 /// The uniform buffer of bind group 0 and its layout.

@@ -45,6 +45,7 @@ use cube::Cube;
 use distances::ExactDistances;
 use drape::Drape;
 use frame::FrameBindings;
+pub(crate) use frame::ray_start;
 use ground::Ground;
 use occluder::CubeBindings;
 use pipelines::{PipelineKey, Pipelines};

@@ -13,6 +13,10 @@ pub struct Probe {
     pub size: [u32; 2],
     /// Distance from the eye to the first hit (terrain or occluder) in world units, +inf for sky; row 0 at the top.
     pub distance: Vec<f32>,
+    /// Where a pixel shows terrain, the view depth of its hit less that at which rays begin to count, which the CPU knows
+    /// in f64 (`ray_start`): from a million box lengths away an f32 distance says little about where on the map a hit is,
+    /// this does.
+    pub(crate) beyond_start: Vec<f32>,
     /// Steps of each ray; 0 where no ray was cast or the occluder hides it.
     pub steps: Vec<u32>,
     /// Rays that the step cap ended.
@@ -73,6 +77,7 @@ impl Renderer {
         Ok(Probe {
             size,
             distance: texels.iter().map(|texel| if texel[0] < 0.0 { f32::INFINITY } else { texel[0] }).collect(),
+            beyond_start: texels.iter().map(|texel| texel[3]).collect(),
             steps: texels.iter().map(|texel| texel[1] as u32).collect(),
             cap_hits: texels.iter().filter(|texel| texel[2] > 0.0).count() as u32,
         })

@@ -1,8 +1,10 @@
 //! Error against run time: how wrong each technique's picture is, and what it costs, on this map, view and adapter.
 //!
 //! [`measure`] fills a [`Report`]; [`tables`] and [`plot`] put it into words and pictures. Errors are the same to the
-//! digit whenever they are measured with the same map, views, size and adapter; times are not.
+//! digit whenever they are measured with the same map, views, size and adapter; times are not. [`stress`] looks for where
+//! techniques break.
 
+pub mod comparison;
 mod cones;
 mod edit;
 mod features;
@@ -10,6 +12,7 @@ pub mod figures;
 pub mod plot;
 mod rounds;
 mod settings;
+pub mod stress;
 mod studio;
 mod sweep;
 pub mod tables;

@@ -38,7 +38,7 @@ const MARGIN: f64 = 16.0;
 
 /// Okabe and Ito's colours, which the colour-blind can tell apart; vermilion is kept for the exact technique.
 const COLOURS: [&str; 6] = ["#E69F00", "#56B4E9", "#009E73", "#CC79A7", "#0072B2", "#000000"];
-const EXACT: &str = "#D55E00";
+pub(super) const EXACT: &str = "#D55E00";
 
 /// A setting over all views.
 struct Point {
@@ -72,12 +72,23 @@ pub fn svg(report: &Report) -> String {
     out
 }
 
-/// `svg` as a PNG on white.
+/// `svg`, a plot of [`svg`], as a PNG on white.
 ///
 /// # Errors
 /// [`PlotError`] where `svg` is not a drawing or memory is short.
 pub fn png(svg: &str) -> Result<Vec<u8>, PlotError> {
-    use resvg::tiny_skia::{Color, Pixmap, Transform};
+    let size = [WIDTH, HEIGHT].map(|side| (side as f32 * SCALE) as u32);
+    rasterise(svg, size, SCALE, |_, _| [255; 3])
+}
+
+/// `svg` as a PNG of `size` pixels, `scale` of them per unit of the drawing, on a picture that is given by column and row.
+pub(super) fn rasterise(
+    svg: &str,
+    size: [u32; 2],
+    scale: f32,
+    below: impl Fn(u32, u32) -> [u8; 3],
+) -> Result<Vec<u8>, PlotError> {
+    use resvg::tiny_skia::{Pixmap, Transform};
     let mut options = resvg::usvg::Options::default();
     let fonts = options.fontdb_mut();
     fonts.load_font_data(epaint_default_fonts::UBUNTU_LIGHT.to_vec());
@@ -87,10 +98,12 @@ pub fn png(svg: &str) -> Result<Vec<u8>, PlotError> {
         fonts.set_sans_serif_family(family);
     }
     let tree = resvg::usvg::Tree::from_str(svg, &options)?;
-    let size = [WIDTH, HEIGHT].map(|side| (side as f32 * SCALE) as u32);
     let mut pixels = Pixmap::new(size[0], size[1]).ok_or(PlotError::Memory)?;
-    pixels.fill(Color::WHITE);
-    resvg::render(&tree, Transform::from_scale(SCALE, SCALE), &mut pixels.as_mut());
+    for (index, texel) in pixels.data_mut().chunks_exact_mut(4).enumerate() {
+        let [red, green, blue] = below(index as u32 % size[0], index as u32 / size[0]);
+        texel.copy_from_slice(&[red, green, blue, 255]);
+    }
+    resvg::render(&tree, Transform::from_scale(scale, scale), &mut pixels.as_mut());
     let mut bytes = Vec::new();
     PngEncoder::new_with_quality(&mut bytes, CompressionType::Best, FilterType::Adaptive).write_image(
         pixels.data(),
@@ -127,7 +140,7 @@ fn write_svg(out: &mut String, report: &Report, points: &[Point]) -> std::fmt::R
     writeln!(out, "</svg>")
 }
 
-fn text(out: &mut String, x: f64, y: f64, anchor: &str, size: f64, words: &str) -> std::fmt::Result {
+pub(super) fn text(out: &mut String, x: f64, y: f64, anchor: &str, size: f64, words: &str) -> std::fmt::Result {
     let words = words.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
     writeln!(out, "<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"{anchor}\" font-size=\"{size}\">{words}</text>")
 }
@@ -167,7 +180,7 @@ fn marker(out: &mut String, technique: Technique, x: f64, y: f64, size: f64, opa
     writeln!(out, "<polygon points=\"{}\" {paint}/>", corners.join(" "))
 }
 
-fn polyline(out: &mut String, points: &[[f64; 2]], style: &str) -> std::fmt::Result {
+pub(super) fn polyline(out: &mut String, points: &[[f64; 2]], style: &str) -> std::fmt::Result {
     let points: Vec<_> = points.iter().map(|[x, y]| format!("{x:.1},{y:.1}")).collect();
     writeln!(out, "<polyline points=\"{}\" fill=\"none\" stroke-linejoin=\"round\" {style}/>", points.join(" "))
 }
@@ -193,17 +206,17 @@ fn legend(out: &mut String, points: &[Point]) -> std::fmt::Result {
 
 /// A logarithmic axis over what it has to show.
 #[derive(Clone, Copy)]
-struct Axis {
+pub(super) struct Axis {
     /// Decimal logarithms of its ends.
     low: f64,
     high: f64,
     /// Where 0 stands, which has no logarithm; absent where there is none.
-    floor: Option<f64>,
+    pub(super) floor: Option<f64>,
 }
 
 impl Axis {
     /// `decades` widens it to whole powers of ten.
-    fn new(values: impl Iterator<Item = f64> + Clone, decades: bool) -> Self {
+    pub(super) fn new(values: impl Iterator<Item = f64> + Clone, decades: bool) -> Self {
         let logs = values.clone().filter(|value| *value > 0.0).map(f64::log10);
         let (mut low, mut high) =
             logs.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), log| (low.min(log), high.max(log)));
@@ -222,13 +235,13 @@ impl Axis {
     }
 
     /// Where a value stands, 0..1.
-    fn share(&self, value: f64) -> f64 {
+    pub(super) fn share(&self, value: f64) -> f64 {
         let log = if value > 0.0 { value.log10() } else { self.floor.unwrap_or(self.low) };
         (log - self.low) / (self.high - self.low)
     }
 
     /// Values with a label: 1, 2 and 5 in a decade where there are few decades, else powers of ten, at most ten.
-    fn ticks(&self) -> Vec<f64> {
+    pub(super) fn ticks(&self) -> Vec<f64> {
         let decades = self.low.floor() as i32..=self.high.ceil() as i32;
         let every = ((self.high - self.low) / 10.0).ceil().max(1.0) as i32;
         let steps: &[f64] = if self.high - self.low < 3.0 { &[1.0, 2.0, 5.0] } else { &[1.0] };
@@ -242,7 +255,7 @@ impl Axis {
 }
 
 /// `0.01` and `100` as they are, what is smaller or larger with an exponent.
-fn label(value: f64) -> String {
+pub(super) fn label(value: f64) -> String {
     let power = value.log10().floor() as i32;
     if (-4..=4).contains(&power) { ((value * 1e6).round() / 1e6).to_string() } else { format!("{value:.0e}") }
 }

@@ -2,9 +2,9 @@
 
 use std::fmt::Write;
 
-use super::Report;
 use super::settings::Setting;
 use super::sweep::{Row, ViewReport};
+use super::{Figures, Report};
 use crate::scene::Technique;
 
 /// The columns of `report.csv`; their names are a contract.
@@ -24,14 +24,20 @@ pub fn csv(report: &Report) -> String {
 
 fn csv_row(view: &str, row: &Row) -> String {
     let Row { setting, figures, times, .. } = row;
-    // Names of views come from names of files.
-    let view =
-        if view.contains(['"', ',', '\n']) { format!("\"{}\"", view.replace('"', "\"\"")) } else { view.to_owned() };
     let number = |value: Option<f64>| value.map(digits).unwrap_or_default();
+    let mut cells = vec![csv_text(view)];
+    cells.extend(csv_errors(setting, figures));
+    cells.extend([row.flip, times.map(|times| times.ms), times.map(|times| times.ms_p95), row.ratio].map(number));
+    cells.extend([digits(row.steps_mean), row.steps_max.to_string(), row.cap_hits.to_string()]);
+    cells.extend([digits(row.prepare_ms), row.bytes.to_string()]);
+    cells.join(",") + "\n"
+}
+
+/// The cells from `technique` to `incoherent`.
+pub(super) fn csv_errors(setting: &Setting, figures: &Figures) -> Vec<String> {
     let whole = |value: Option<u32>| value.map(|value| value.to_string()).unwrap_or_default();
     let errors = [figures.see_through, figures.covers_sky, figures.p50, figures.p95, figures.p99, figures.max];
     let mut cells = vec![
-        view,
         setting.technique.name().to_owned(),
         whole(setting.samples.map(|samples| samples[0])),
         whole(setting.samples.map(|samples| samples[1])),
@@ -39,14 +45,16 @@ fn csv_row(view: &str, row: &Row) -> String {
         whole(setting.halvings),
     ];
     cells.extend(errors.into_iter().chain([figures.incoherent]).map(digits));
-    cells.extend([row.flip, times.map(|times| times.ms), times.map(|times| times.ms_p95), row.ratio].map(number));
-    cells.extend([digits(row.steps_mean), row.steps_max.to_string(), row.cap_hits.to_string()]);
-    cells.extend([digits(row.prepare_ms), row.bytes.to_string()]);
-    cells.join(",") + "\n"
+    cells
+}
+
+/// A name as a cell: names of views come from names of files.
+pub(super) fn csv_text(text: &str) -> String {
+    if text.contains(['"', ',', '\n']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_owned() }
 }
 
 /// Six significant digits, written out.
-fn digits(value: f64) -> String {
+pub(super) fn digits(value: f64) -> String {
     let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
     rounded.to_string()
 }
@@ -259,7 +267,7 @@ fn write_edits(out: &mut String, report: &Report) -> std::fmt::Result {
 }
 
 /// Three significant digits.
-fn short(value: f64) -> String {
+pub(super) fn short(value: f64) -> String {
     let size = value.abs();
     match size {
         _ if size == 0.0 => String::from("0"),
@@ -272,7 +280,7 @@ fn short(value: f64) -> String {
 }
 
 /// Text that a table's cell can hold.
-fn escape(text: &str) -> String {
+pub(super) fn escape(text: &str) -> String {
     text.replace('|', "\\|").replace(['\n', '\r'], " ")
 }
 
@@ -296,7 +304,7 @@ mod tests {
     fn there_are_as_many_cells_as_columns() {
         let row = Row {
             setting: Setting::BASE,
-            figures: super::super::Figures::default(),
+            figures: Figures::default(),
             flip: None,
             times: None,
             ratio: None,
