@@ -5,6 +5,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::crater::Grid;
+use super::field::normalised;
 use super::{Crater, HeightField, MaxPyramid, NodeRect};
 
 /// A rectangle of samples.
@@ -122,7 +123,7 @@ impl EditedTerrain {
             }
             for &(crater, rect) in &placed {
                 grid.displace_row(crater, rect, y, dirty.x, samples, |sample, by| {
-                    *sample = (f64::from(*sample) + by).clamp(0.0, 1.0) as f32;
+                    *sample = normalised(f64::from(*sample) + by);
                 });
             }
         });
