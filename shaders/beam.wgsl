@@ -6,6 +6,7 @@
 // a ray of the tile can be in.
 
 #import relief::beam::BEAM_TILE
+#import relief::constants::MOST_STEPS
 #import relief::frame::{FOR_EVER, frame, pixel_ray, slabs}
 #import relief::heightfield::terrain
 #import relief::pyramid::{
@@ -63,7 +64,8 @@ fn fs_main(in: varyings::Varyings) -> @location(0) vec4f {
     // A node of this walk reads those one level up.
     let top = 0.5 * terrain.top_size;
     var walk = start(course, origin.xz, 0.0, top);
-    while walk.steps < terrain.step_cap {
+    let most_steps = min(terrain.step_cap, MOST_STEPS);
+    while walk.steps < most_steps {
         walk.steps += 1u;
         let ahead = reached(course, walk.wall * walk.size);
         let through_x = ahead.x <= ahead.y;

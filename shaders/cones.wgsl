@@ -1,6 +1,7 @@
 // Cones on the map's cells, made in `heightfield/cone.rs`, where it is proven how far a ray may go on in one.
 #define_import_path relief::cones
 
+#import relief::constants::MOST_HALVINGS
 #import relief::heightfield::{terrain, Segment, Hit, NO_HIT, cell_corners, bilinear}
 #import relief::sampling::sample_count
 
@@ -21,7 +22,8 @@ fn place_at(ray: Segment, t: f32, channel: vec2f) -> Place {
     let p = ray.origin + ray.direction * t;
     let cell = clamp(floor(p.xz), vec2f(0.0), terrain.cells - 1.0);
     let corners = cell_corners(cell);
-    let slope = dot(textureLoad(cones, vec2i(cell), 0).rg, channel) * terrain.size.y;
+    let texel = clamp(vec2i(cell), vec2i(0), vec2i(terrain.cells) - 1);
+    let slope = dot(textureLoad(cones, texel, 0).rg, channel) * terrain.size.y;
     let inside = p.xz - cell;
     // Height above the cell's highest corner.
     let over = p.y - max(max(corners.x, corners.y), max(corners.z, corners.w));
@@ -41,7 +43,8 @@ fn place_at(ray: Segment, t: f32, channel: vec2f) -> Place {
 fn halved(ray: Segment, last_above: f32, first_below: f32) -> f32 {
     var above = last_above;
     var below = first_below;
-    for (var k = 0u; k < terrain.binary_steps; k++) {
+    let halvings = min(terrain.binary_steps, MOST_HALVINGS);
+    for (var k = 0u; k < halvings; k++) {
         let middle = 0.5 * (above + below);
         let p = ray.origin + ray.direction * middle;
         let cell = clamp(floor(p.xz), vec2f(0.0), terrain.cells - 1.0);

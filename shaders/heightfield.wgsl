@@ -115,7 +115,8 @@ fn ground_height(p: vec2f) -> f32 {
     var height = textureSampleLevel(heights, height_sampler, (p + 0.5) * terrain.texel_size, 0.0).r;
 #else
 #ifdef FILTER_NEAREST
-    var height = textureLoad(heights, vec2i(clamp(floor(p + 0.5), vec2f(0.0), terrain.cells)), 0).r;
+    let texel = clamp(vec2i(floor(p + 0.5)), vec2i(0), vec2i(terrain.cells));
+    var height = textureLoad(heights, texel, 0).r;
 #else
     let cell = clamp(floor(p), vec2f(0.0), terrain.cells - 1.0);
     let f = p - cell;

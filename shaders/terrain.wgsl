@@ -47,7 +47,8 @@ const ROUNDING: f32 = 1e-6;
 
 // What a march would have found along a ray of the view depth `begin`, according to the given distances.
 fn given_hit(pixel: vec2f, begin: f32, length_of_direction: f32) -> Hit {
-    let distance = textureLoad(given_distances, vec2i(pixel), 0).r;
+    let last = vec2i(textureDimensions(given_distances)) - 1;
+    let distance = textureLoad(given_distances, min(vec2i(pixel), last), 0).r;
     let depth = distance / length_of_direction;
     // A hit where the ray comes in is the box's side: it must stay one, whatever rounding did to its distance.
     let tolerance = ROUNDING * (depth + max(terrain.size.x, terrain.size.z));
@@ -125,11 +126,14 @@ fn fs_main(in: varyings::Varyings) -> Fragment {
     let scale = vec3f(terrain.cells_per_unit.x, 1.0, terrain.cells_per_unit.y);
     let inside = terrain.cells;
     var origin = (ray.origin + ray.direction * span.begin) * scale;
-    origin = vec3f(clamp(origin.x, 0.0, inside.x), origin.y, clamp(origin.z, 0.0, inside.y));
+    // Through the floor a ray comes in at its very height: rounded to a little above, it would miss ground that lies on it.
+    let height = select(origin.y, 0.0, span.axis == 1u && ray.direction.y > 0.0);
+    origin = vec3f(clamp(origin.x, 0.0, inside.x), height, clamp(origin.z, 0.0, inside.y));
     let direction = ray.direction * scale;
     let verticality = abs(ray.direction.y) / length_of_direction;
 #ifdef BEAM
-    let beam = textureLoad(beams, vec2i(in.position.xy) / i32(BEAM_TILE), 0);
+    let last_tile = vec2i(textureDimensions(beams)) - 1;
+    let beam = textureLoad(beams, min(vec2i(in.position.xy) / i32(BEAM_TILE), last_tile), 0);
     let begin = max(beam.r - span.begin, 0.0);
     let segment = Segment(origin, direction, span.end - span.begin, verticality, begin, beam.g);
 #else
@@ -148,7 +152,8 @@ fn fs_main(in: varyings::Varyings) -> Fragment {
 #endif
     let missed = at == NO_HIT;
 #ifdef VIEW_ERROR
-    let exact = textureLoad(exact_distances, vec2i(in.position.xy), 0).r;
+    let last_pixel = vec2i(textureDimensions(exact_distances)) - 1;
+    let exact = textureLoad(exact_distances, min(vec2i(in.position.xy), last_pixel), 0).r;
 #endif
     if missed {
 #ifdef DISCARD_MISSES

@@ -1,11 +1,12 @@
 //! Scene files: a [`Scene`] as TOML, read with messages that name the line, written so that a picture can be made again.
 
-use std::ops::{Bound, RangeBounds};
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 
 use crate::heightfield::HEIGHT_SCALES;
+use crate::heightfield::load::MAX_SIDE;
 use crate::scene::Scene;
 
 /// Why a scene file could not be used.
@@ -76,6 +77,14 @@ pub struct OutOfRange {
     pub range: String,
 }
 
+impl OutOfRange {
+    /// The same error of a field in the table `table`.
+    fn inside(mut self, table: &str) -> Self {
+        self.field = format!("{table}.{}", self.field);
+        self
+    }
+}
+
 /// Reads a scene. Relative paths in it become relative to the file's folder.
 ///
 /// # Errors
@@ -139,93 +148,101 @@ fn nearest(word: &str, candidates: &[String]) -> Option<String> {
     candidates.iter().max_by(|a, b| likeness(a).total_cmp(&likeness(b))).cloned()
 }
 
-/// Checks that a picture can be made of `scene`: every number finite and inside its range.
+/// Checks that a picture can be made of `scene`: every number finite and inside its range. The renderer refuses a scene
+/// that does not pass, so no NaN, infinity or number beyond single precision gets to a shader, wherever it came from.
+///
+/// Where 0 is in the range, −0 and numbers too small for single precision count as 0: that is what the uniforms hold.
 ///
 /// # Errors
 /// The first field that is not, with its range.
 pub fn validate(scene: &Scene) -> Result<(), OutOfRange> {
-    use Bound::{Excluded, Included};
     let Scene { terrain, camera, march, compare, diffuse, lighting, skybox, occluder, debug, craters } = scene;
     if let Some(scale) = terrain.height_scale {
-        check("terrain.height_scale", scale, Included(*HEIGHT_SCALES.start()), Included(*HEIGHT_SCALES.end()))?;
+        check("terrain.height_scale", scale, HEIGHT_SCALES)?;
     }
     if let Some(camera) = camera {
         for value in camera.eye.to_array() {
-            check("camera.eye", value, Included(-FARTHEST), Included(FARTHEST))?;
+            check("camera.eye", value, -FARTHEST..=FARTHEST)?;
         }
-        check("camera.yaw", camera.yaw, Included(-ANGLE), Included(ANGLE))?;
-        check("camera.pitch", camera.pitch, Included(-90.0), Included(90.0))?;
-        check("camera.fov", camera.fov, Included(NARROWEST), Excluded(180.0))?;
+        check("camera.yaw", camera.yaw, -ANGLE..=ANGLE)?;
+        check("camera.pitch", camera.pitch, -90.0..=90.0)?;
+        check("camera.fov", camera.fov, FIELDS_OF_VIEW)?;
     }
     let steps = f64::from(MOST_SAMPLES);
-    check("march.samples_min", march.samples_min, Included(1.0), Included(steps))?;
-    check("march.samples_max", march.samples_max, Included(f64::from(march.samples_min)), Included(steps))?;
-    check("march.binary_steps", march.binary_steps, Included(0.0), Included(f64::from(MOST_HALVINGS)))?;
-    check("compare.share", compare.share, Included(0.0), Included(1.0))?;
-    check("diffuse.repeats", diffuse.repeats, Excluded(0.0), Included(4096.0))?;
-    check("lighting.sun_azimuth", lighting.sun_azimuth, Included(-ANGLE), Included(ANGLE))?;
-    check("lighting.sun_elevation", lighting.sun_elevation, Included(-90.0), Included(90.0))?;
-    check("lighting.ambient", lighting.ambient, Included(0.0), Included(100.0))?;
-    check("lighting.diffuse", lighting.diffuse, Included(0.0), Included(100.0))?;
-    check("lighting.specular", lighting.specular, Included(0.0), Included(100.0))?;
-    check("lighting.shininess", lighting.shininess, Excluded(0.0), Included(10_000.0))?;
-    check("skybox.flattening", skybox.flattening, Included(0.01), Included(100.0))?;
+    check("march.samples_min", march.samples_min, 1.0..=steps)?;
+    // Without the angle the fewest steps are not used.
+    let fewest = if march.steps_by_angle { f64::from(march.samples_min) } else { 1.0 };
+    check("march.samples_max", march.samples_max, fewest..=steps)?;
+    check("march.binary_steps", march.binary_steps, 0.0..=f64::from(MOST_HALVINGS))?;
+    check("compare.share", compare.share, 0.0..=1.0)?;
+    check("diffuse.repeats", diffuse.repeats, SMALLEST..=4096.0)?;
+    check("lighting.sun_azimuth", lighting.sun_azimuth, -ANGLE..=ANGLE)?;
+    check("lighting.sun_elevation", lighting.sun_elevation, -90.0..=90.0)?;
+    check("lighting.ambient", lighting.ambient, 0.0..=100.0)?;
+    check("lighting.diffuse", lighting.diffuse, 0.0..=100.0)?;
+    check("lighting.specular", lighting.specular, 0.0..=100.0)?;
+    check("lighting.shininess", lighting.shininess, SMALLEST..=10_000.0)?;
+    check("skybox.flattening", skybox.flattening, 0.01..=100.0)?;
     for value in occluder.position.iter().flat_map(DVec3::to_array) {
-        check("occluder.position", value, Included(-FARTHEST), Included(FARTHEST))?;
+        check("occluder.position", value, -FARTHEST..=FARTHEST)?;
     }
-    check("occluder.size", occluder.size, Excluded(0.0), Included(1000.0))?;
+    check("occluder.size", occluder.size, SMALLEST..=1000.0)?;
     for value in occluder.rotation.to_array() {
-        check("occluder.rotation", value, Included(-ANGLE), Included(ANGLE))?;
+        check("occluder.rotation", value, -ANGLE..=ANGLE)?;
     }
-    check("occluder.spin", occluder.spin, Included(-ANGLE), Included(ANGLE))?;
-    check("debug.heat_map_max", debug.heat_map_max, Included(1.0), Included(f64::from(u32::MAX)))?;
-    check("craters.layer_resolution", craters.layer_resolution, Included(2.0), Included(16384.0))?;
-    check_crater("craters", craters.radius, craters.depth, craters.rim)?;
+    check("occluder.spin", occluder.spin, -ANGLE..=ANGLE)?;
+    check("debug.heat_map_max", debug.heat_map_max, 1.0..=f64::from(u32::MAX))?;
+    check("craters.layer_resolution", craters.layer_resolution, 2.0..=16384.0)?;
+    check_crater(craters.radius, craters.depth, craters.rim).map_err(|reason| reason.inside("craters"))?;
     for (index, crater) in craters.list.iter().enumerate() {
-        let name = format!("craters.list[{index}]");
-        check(&format!("{name}.x"), crater.x, Included(-FARTHEST), Included(FARTHEST))?;
-        check(&format!("{name}.z"), crater.z, Included(-FARTHEST), Included(FARTHEST))?;
-        check_crater(&name, crater.radius, crater.depth, crater.rim)?;
+        check("x", crater.x, -FARTHEST..=FARTHEST)
+            .and_then(|()| check("z", crater.z, -FARTHEST..=FARTHEST))
+            .and_then(|()| check_crater(crater.radius, crater.depth, crater.rim))
+            .map_err(|reason| reason.inside(&format!("craters.list[{index}]")))?;
     }
     Ok(())
 }
 
-/// Farthest that anything may be from the origin, world units: beyond it single precision shows no terrain.
-pub(crate) const FARTHEST: f64 = 1e6;
+/// Farthest that anything may be from the origin, world units: there a double still tells micrometres of a box of one
+/// metre apart, and no square of such a distance overflows single precision.
+pub(crate) const FARTHEST: f64 = 1e10;
+/// Vertical fields of view, degrees: from a box that fills the picture [`FARTHEST`] away to one whose corner rays are a
+/// thousand times as long as the middle one.
+pub(crate) const FIELDS_OF_VIEW: RangeInclusive<f64> = 1e-9..=179.9;
+/// The least that a number which cannot be 0 may be: single precision holds it and a good share of it.
+pub(crate) const SMALLEST: f64 = 1e-30;
 /// Largest angle in degrees: many turns, yet exact to a thousandth of a degree.
 const ANGLE: f64 = 1e9;
-/// Narrowest field of view in degrees: a thousandth of what fills a picture from [`FARTHEST`] away. In one as narrow as
-/// f64 allows, no pixel has a direction of its own.
-pub(crate) const NARROWEST: f64 = 1e-7;
 /// Most uniform samples per ray: as many as texels along the largest texture, several times over.
 pub(crate) const MOST_SAMPLES: u32 = 65536;
 /// Most halvings: the 24 bits of a single-precision distance cannot be halved more often.
 pub(crate) const MOST_HALVINGS: u32 = 24;
+/// Most steps of a walk over the pyramid: what the longest ray over the largest map that opens can take.
+pub(crate) const MOST_STEPS: u32 = 16 * MAX_SIDE + 256;
 
-fn check_crater(name: &str, radius: f64, depth: f64, rim: f64) -> Result<(), OutOfRange> {
-    use Bound::{Excluded, Included};
-    check(&format!("{name}.radius"), radius, Excluded(0.0), Included(10.0))?;
-    check(&format!("{name}.depth"), depth, Included(0.0), Included(10.0))?;
-    check(&format!("{name}.rim"), rim, Included(0.0), Included(10.0))
+fn check_crater(radius: f64, depth: f64, rim: f64) -> Result<(), OutOfRange> {
+    check("radius", radius, SMALLEST..=10.0)?;
+    check("depth", depth, 0.0..=10.0)?;
+    check("rim", rim, 0.0..=10.0)
 }
 
 /// Checks one number; NaN is inside no range.
-fn check(field: &str, value: impl Into<f64>, low: Bound<f64>, high: Bound<f64>) -> Result<(), OutOfRange> {
+fn check(field: &str, value: impl Into<f64>, range: RangeInclusive<f64>) -> Result<(), OutOfRange> {
     let value = value.into();
-    if value.is_finite() && (low, high).contains(&value) {
+    if range.contains(&value) {
         return Ok(());
     }
-    let low = match low {
-        Bound::Included(low) => format!("at least {low}"),
-        Bound::Excluded(low) => format!("more than {low}"),
-        Bound::Unbounded => String::from("finite"),
-    };
-    let high = match high {
-        Bound::Included(high) => format!(" and at most {high}"),
-        Bound::Excluded(high) => format!(" and less than {high}"),
-        Bound::Unbounded => String::new(),
-    };
-    Err(OutOfRange { field: field.to_owned(), value: value.to_string(), range: low + &high })
+    let range = format!("at least {} and at most {}", readable(*range.start()), readable(*range.end()));
+    Err(OutOfRange { field: field.to_owned(), value: readable(value), range })
+}
+
+/// A number in as few characters as it takes: 1e38 has 39 digits.
+pub(crate) fn readable(value: f64) -> String {
+    if value == 0.0 || (1e-4..1e7).contains(&value.abs()) || !value.is_finite() {
+        value.to_string()
+    } else {
+        format!("{value:e}")
+    }
 }
 
 #[cfg(test)]

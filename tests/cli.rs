@@ -224,7 +224,7 @@ fn a_scene_with_a_value_out_of_range_names_field_and_range() {
     let bench = Bench::new();
     bench.write("scene.toml", "[camera]\neye = [0.5, 0.5, 1.5]\nfov = 200\n");
     let run = bench.relief("render -o out.png --size 8x8 --scene scene.toml");
-    run.expect(3, &["scene.toml", "camera.fov cannot be 200", "less than 180"]).says_what_why_and_what_to_do();
+    run.expect(3, &["scene.toml", "camera.fov cannot be 200", "at most 179.9"]).says_what_why_and_what_to_do();
 }
 
 #[test]

@@ -27,5 +27,7 @@ mod shaders;
 mod sizes;
 #[path = "window/typing.rs"]
 mod typing;
+#[path = "window/weather.rs"]
+mod weather;
 #[path = "window/without_display.rs"]
 mod without_display;

@@ -2,6 +2,7 @@
 // Comba 2005, section 3; the 2009 study, section 3.3).
 #define_import_path relief::march
 
+#import relief::constants::MOST_HALVINGS
 #import relief::heightfield::{terrain, Segment, Hit, NO_HIT, ground_height}
 #import relief::sampling::sample_count
 
@@ -25,7 +26,8 @@ fn march(ray: Segment) -> Hit {
     }
     // After the sampling loop, not in it: rays that are drawn in step would all pay whenever one of them hits.
     var above = step * (i - 1.0);
-    for (var k = 0u; k < terrain.binary_steps; k++) {
+    let halvings = min(terrain.binary_steps, MOST_HALVINGS);
+    for (var k = 0u; k < halvings; k++) {
         let middle = 0.5 * (above + below);
         let q = ray.origin + ray.direction * middle;
         if q.y <= ground_height(q.xz) {

@@ -2,6 +2,7 @@
 // cells.
 #define_import_path relief::march
 
+#import relief::constants::MOST_STEPS
 #import relief::heightfield::{terrain, Segment, Hit, NO_HIT, cell_corners, bilinear}
 #import relief::pyramid::{
     RECIPROCAL_OF_ZERO, Walk, lesser, greater, course_along, start, node_of, node_height, reached, moved_on, either,
@@ -50,11 +51,12 @@ fn march(ray: Segment) -> Hit {
     let slack = 2.0 * SHORT * abs(ray.origin.y);
     let first_cell = clamp(floor(origin + direction * ray.begin), vec2f(0.0), terrain.cells - 1.0);
     var walk = start(course, first_cell, ray.begin, ray.size);
-    while walk.steps < terrain.step_cap {
+    let most_steps = min(terrain.step_cap, MOST_STEPS);
+    while walk.steps < most_steps {
         // Down and across through the pyramid, until the ray may meet a cell. A loop of its own: where many rays walk
         // in step, none of them pays for the cells of the others here. Each turn waits for the height of one node;
         // all that does not need it is prepared meanwhile, and what the next turn's node needs is a comparison with it.
-        while walk.size > 1.0 {
+        while (walk.size > 1.0) & (walk.steps < most_steps) {
             walk.steps += 1u;
             let height = node_height(node_of(course, walk), walk.size);
             let walls = walk.wall * walk.size;
@@ -85,8 +87,9 @@ fn march(ray: Segment) -> Hit {
             let within = Walk(low_enough, 0.5 * walk.size, 2.0 * walk.wall - vec2f(first), walk.steps);
             walk = either(onward, within, lowest <= height);
         }
-        if walk.size == 0.0 {
-            return Hit(NO_HIT, walk.steps, 0u);
+        if walk.size != 1.0 {
+            // The ray has left the map, or was cut off on its way to a cell.
+            return Hit(select(walk.t, NO_HIT, walk.size == 0.0), walk.steps, u32(walk.size != 0.0));
         }
         walk.steps += 1u;
         let ahead = reached(course, walk.wall);
@@ -108,5 +111,5 @@ fn march(ray: Segment) -> Hit {
         let four = 0.25 * wall;
         walk = moved_on(walk, through_x, leave, select(1.0, 2.0, four == floor(four)));
     }
-    return Hit(walk.t, terrain.step_cap, 1u);
+    return Hit(walk.t, most_steps, 1u);
 }

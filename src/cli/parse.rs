@@ -8,7 +8,7 @@ use glam::DVec3;
 
 use crate::heightfield::{Crater, HEIGHT_SCALES};
 use crate::scene::{CompareSettings, CraterSettings, Technique};
-use crate::scene_file::{FARTHEST, MOST_HALVINGS, MOST_SAMPLES, NARROWEST};
+use crate::scene_file::{FARTHEST, FIELDS_OF_VIEW, MOST_HALVINGS, MOST_SAMPLES, SMALLEST, readable};
 
 /// A crater as far as the command line gives it: the brush of the scene fills in the rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -106,7 +106,7 @@ pub(crate) fn halvings() -> RangedU64ValueParser<u32> {
 pub(crate) fn point(text: &str) -> Result<DVec3, String> {
     match numbers::<f64>(text)?.as_slice() {
         &[x, y, z] if DVec3::new(x, y, z).abs().max_element() <= FARTHEST => Ok(DVec3::new(x, y, z)),
-        &[_, _, _] => Err(format!("farther than {FARTHEST} from the origin, where no terrain can be seen")),
+        &[_, _, _] => Err(format!("farther than {FARTHEST:e} from the origin, where no terrain can be seen")),
         other => Err(format!("expected three numbers x,y,z, found {}", other.len())),
     }
 }
@@ -127,14 +127,14 @@ pub(crate) fn crater(text: &str) -> Result<CraterSpec, String> {
         return Err(String::from("expected at least two numbers x,z"));
     };
     if x.abs().max(z.abs()) > FARTHEST {
-        return Err(format!("farther than {FARTHEST} from the origin, where there is no ground"));
+        return Err(format!("farther than {FARTHEST:e} from the origin, where there is no ground"));
     }
     if rest.len() > 3 {
         return Err(format!("expected at most x,z,radius,depth,rim, found {} numbers", numbers.len()));
     }
     let spec =
         CraterSpec { x, z, radius: rest.first().copied(), depth: rest.get(1).copied(), rim: rest.get(2).copied() };
-    if spec.radius.is_some_and(|radius| radius <= 0.0 || radius > 10.0) {
+    if spec.radius.is_some_and(|radius| !(SMALLEST..=10.0).contains(&radius)) {
         return Err(String::from("the radius is more than 0 and at most 10 world units"));
     }
     if rest.iter().skip(1).any(|share| !(0.0..=10.0).contains(share)) {
@@ -151,12 +151,13 @@ pub(crate) fn height_scale(text: &str) -> Result<f64, String> {
 
 /// Vertical field of view in degrees.
 pub(crate) fn fov(text: &str) -> Result<f64, String> {
-    in_range(text, |fov| (NARROWEST..180.0).contains(&fov), "at least 0.0000001 and less than 180 degrees")
+    let (least, most) = (readable(*FIELDS_OF_VIEW.start()), readable(*FIELDS_OF_VIEW.end()));
+    in_range(text, |fov| FIELDS_OF_VIEW.contains(&fov), &format!("at least {least} and at most {most} degrees"))
 }
 
 /// Repeats of the diffuse texture.
 pub(crate) fn repeats(text: &str) -> Result<f32, String> {
-    in_range(text, |repeats: f32| repeats > 0.0 && repeats <= 4096.0, "more than 0 and at most 4096")
+    in_range(text, |repeats: f32| (SMALLEST..=4096.0).contains(&f64::from(repeats)), "more than 0 and at most 4096")
 }
 
 fn in_range<T: Number>(text: &str, valid: impl Fn(T) -> bool, range: &str) -> Result<T, String> {
@@ -217,7 +218,7 @@ mod tests {
     #[test]
     fn points_are_three_finite_numbers() {
         assert_eq!(point("-0.35, 0.2,1"), Ok(DVec3::new(-0.35, 0.2, 1.0)));
-        for wrong in ["1,2", "1,2,3,4", "1,2,nan", "inf,0,0", "1e400,0,0", "1e7,0,0", "a,b,c", ""] {
+        for wrong in ["1,2", "1,2,3,4", "1,2,nan", "inf,0,0", "1e400,0,0", "1e11,0,0", "a,b,c", ""] {
             assert!(point(wrong).is_err(), "{wrong}");
         }
     }
@@ -249,7 +250,13 @@ mod tests {
     #[test]
     fn scales_and_angles_have_ends() {
         assert!(height_scale("-0.1").is_err() && height_scale("0").is_ok() && height_scale("1001").is_err());
-        assert!(fov("0").is_err() && fov("180").is_err() && fov("NaN").is_err() && fov("60").is_ok());
+        assert!(
+            fov("0").is_err()
+                && fov("180").is_err()
+                && fov("NaN").is_err()
+                && fov("1e-310").is_err()
+                && fov("60").is_ok()
+        );
         assert!(sun("10").is_err() && sun("10,91").is_err() && sun("300,32").is_ok());
     }
 }

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use naga_oil::compose::{ComposableModuleDescriptor, Composer, ComposerError, NagaModuleDescriptor, ShaderDefValue};
 
 use crate::camera::NEAR;
+use crate::scene_file::{MOST_HALVINGS, MOST_SAMPLES, MOST_STEPS};
 
 macro_rules! embed {
     ($($file:literal),* $(,)?) => {
@@ -96,7 +97,10 @@ impl ShaderSources {
         };
         // What generated modules may import.
         let srgb = self.text("srgb.wgsl")?;
-        let constants = format!("#define_import_path relief::constants\nconst NEAR: f32 = {NEAR:?};\n");
+        let constants = format!(
+            "#define_import_path relief::constants\nconst NEAR: f32 = {NEAR:?};\nconst MOST_SAMPLES: f32 = {MOST_SAMPLES}.0;\n\
+             const MOST_HALVINGS: u32 = {MOST_HALVINGS}u;\nconst MOST_STEPS: u32 = {MOST_STEPS}u;\n"
+        );
         let generated = [("constants", constants.as_str()), ("srgb.wgsl", srgb)]
             .into_iter()
             .chain(self.generated.iter().map(|(name, text)| (*name, text.as_str())));

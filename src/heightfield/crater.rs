@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::field::bilinear;
+use super::field::{bilinear, normalised};
 use super::{HeightField, SampleRect};
 
 /// A crater.
@@ -33,10 +33,18 @@ impl Crater {
     /// Where the ground is untouched again, in radii.
     pub const REACH: f64 = 1.6;
 
-    /// Whether the numbers make a crater: all finite, radius above 0, depth and rim not below 0.
+    /// Most that depth and rim can be: far more than clears the box, and so little that the sum of a layer's craters
+    /// stays finite in single precision.
+    pub const MOST_SHARE: f64 = 1e6;
+
+    /// Whether the numbers make a crater: all finite, radius above 0, depth and rim 0 to [`Self::MOST_SHARE`].
     pub fn is_valid(&self) -> bool {
         let Self { x, z, radius, depth, rim } = *self;
-        [x, z, radius, depth, rim].into_iter().all(f64::is_finite) && radius > 0.0 && depth >= 0.0 && rim >= 0.0
+        let shares = 0.0..=Self::MOST_SHARE;
+        [x, z, radius].into_iter().all(f64::is_finite)
+            && radius > 0.0
+            && shares.contains(&depth)
+            && shares.contains(&rim)
     }
 
     /// Displacement of the ground at a horizontal distance (world units) from the centre, as a share of the box's
@@ -160,7 +168,7 @@ impl CraterLayer {
         displaced.samples_mut().par_chunks_mut(field.width() as usize).enumerate().for_each(|(row, samples)| {
             for (column, sample) in samples.iter_mut().enumerate() {
                 let by = self.sample(column as f64 / columns, row as f64 / rows);
-                *sample = (f64::from(*sample) + by).clamp(0.0, 1.0) as f32;
+                *sample = normalised(f64::from(*sample) + by);
             }
         });
         displaced
@@ -194,6 +202,8 @@ mod tests {
             Crater { radius: 0.0, ..CRATER },
             Crater { radius: f64::NAN, ..CRATER },
             Crater { depth: -1.0, ..CRATER },
+            Crater { depth: f64::MAX, rim: f64::MAX, ..CRATER },
+            Crater { rim: f64::NAN, ..CRATER },
             Crater { x: f64::INFINITY, ..CRATER },
         ] {
             assert!(!bad.is_valid() && bad.rect(&grid).is_none(), "{bad:?}");

@@ -11,6 +11,9 @@ const PLAIN_HEIGHT_SCALE: f64 = 0.25;
 /// Heights of the box over its longer horizontal side that can be drawn; 0 is flat.
 pub(crate) const HEIGHT_SCALES: RangeInclusive<f64> = 0.0..=1000.0;
 
+/// West–east extent over north–south extent: far beyond any map, and within what single precision can march.
+pub(super) const EXTENT_RATIOS: RangeInclusive<f64> = 1e-5..=1e5;
+
 /// Why samples are not a height map.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum HeightFieldError {
@@ -68,7 +71,11 @@ pub struct HeightField {
 }
 
 impl HeightField {
-    /// Normalises `raw` (row by row, north first) to 0..1. A flat map becomes all 0; its range keeps the one value.
+    /// Normalises `raw` (row by row, north first) to 0..1. A flat map becomes all 0; its range keeps the one value. A
+    /// height too little above the lowest for single precision is 0, too.
+    ///
+    /// # Errors
+    /// [`HeightFieldError`] for a grid without a cell, a wrong number of samples, and one that is NaN or infinite.
     pub fn from_raw<T>(width: u32, height: u32, raw: &[T]) -> Result<Self, HeightFieldError>
     where
         T: Copy + Into<f64> + Sync,
@@ -92,8 +99,7 @@ impl HeightField {
         let half_span = high * 0.5 - low * 0.5;
         let normalise = |&value: &T| {
             let above = value.into() * 0.5 - low * 0.5;
-            // The sum makes 0 of -0.
-            if half_span > 0.0 { (above / half_span) as f32 + 0.0 } else { 0.0 }
+            if half_span > 0.0 { normalised(above / half_span) } else { 0.0 }
         };
         let samples = raw.par_iter().map(normalise).collect();
         let units = if whole { units_for(high - low) } else { None };
@@ -115,24 +121,34 @@ impl HeightField {
         Self { units: None, ..self }
     }
 
-    /// The map with the horizontal extent west–east and north–south, in metres between the outermost samples.
+    /// The map with the horizontal extent west–east and north–south, in metres between the outermost samples. One that
+    /// no map has ([`Self::is_extent`]) counts as unknown.
     #[must_use]
     pub fn with_extent_metres(mut self, extent: Option<[f64; 2]>) -> Self {
-        self.extent_metres = extent;
+        self.extent_metres = extent.filter(|&extent| Self::is_extent(extent));
         self
     }
 
-    /// The map with other meanings for the normalised heights 0 and 1.
+    /// Whether a map can have this extent: both sides finite and above 0, and neither a hundred thousand times the other.
+    pub fn is_extent([x, z]: [f64; 2]) -> bool {
+        x > 0.0 && z > 0.0 && (x + z).is_finite() && EXTENT_RATIOS.contains(&(x / z))
+    }
+
+    /// The map with other meanings for the normalised heights 0 and 1. What is no range (not finite, or so far apart that
+    /// its span is not) is not taken.
     #[must_use]
     pub fn with_range(mut self, range: [f64; 2]) -> Self {
-        self.range = range;
+        if (range[1] - range[0]).is_finite() {
+            self.range = range;
+        }
         self
     }
 
-    /// The map with a factor on its natural height scale; 1 is the true proportion.
+    /// The map with a factor on its natural height scale; 1 is the true proportion, and holds in place of a factor that
+    /// is not finite or below 0.
     #[must_use]
     pub fn with_exaggeration(mut self, factor: f64) -> Self {
-        self.exaggeration = factor;
+        self.exaggeration = if factor.is_finite() && factor >= 0.0 { factor } else { 1.0 };
         self
     }
 
@@ -166,8 +182,7 @@ impl HeightField {
 
     /// The height in 0..1 that this map can hold and that is nearest to `height`.
     pub(super) fn nearest_height(units: Option<u16>, height: f64) -> f32 {
-        let height = height.clamp(0.0, 1.0);
-        units.map_or(height as f32, |units| rounded(height, units))
+        units.map_or_else(|| normalised(height), |units| rounded(height, units))
     }
 
     /// For edits that keep every sample finite, in 0..1 and, where there are [`Self::units`], a multiple of one.
@@ -211,9 +226,11 @@ impl HeightField {
     }
 
     /// Height of the box over its longer horizontal side: the true proportion times the map's exaggeration where the
-    /// extent is known (the range then counts as metres), else 0.25.
+    /// extent is known (the range then counts as metres), else 0.25. At most what can be drawn.
     pub fn natural_height_scale(&self) -> f64 {
-        Self::proportion(self.extent_metres, self.range) * self.exaggeration
+        let scale = Self::proportion(self.extent_metres, self.range) * self.exaggeration;
+        // 0 · ∞: a flat map stays flat, however much it is exaggerated.
+        if scale.is_nan() { 0.0 } else { scale.clamp(*HEIGHT_SCALES.start(), *HEIGHT_SCALES.end()) }
     }
 
     /// Height over longer side: true where the extent is known.
@@ -238,7 +255,13 @@ fn units_for(span: f64) -> Option<u16> {
 
 /// `height`, 0..1, as a multiple of 1/`units`.
 fn rounded(height: f64, units: u16) -> f32 {
-    ((height * f64::from(units)).round() / f64::from(units)) as f32
+    normalised((height * f64::from(units)).round() / f64::from(units))
+}
+
+/// A normalised height as a sample: within 0..1, and never a subnormal or −0, which drivers treat as they like.
+pub(super) fn normalised(height: f64) -> f32 {
+    let height = height.clamp(0.0, 1.0) as f32;
+    if height < f32::MIN_POSITIVE { 0.0 } else { height }
 }
 
 /// Bilinear interpolation in f64 of a grid whose samples stand on the corners; `u` and `v` are clamped to 0..1.
@@ -301,6 +324,54 @@ mod tests {
         assert_eq!(count, Err(HeightFieldError::WrongCount { width: 2, height: 2, count: 5 }));
         let nan = HeightField::from_raw(2, 2, &[0.0, 1.0, f64::NAN, 2.0]);
         assert_eq!(nan, Err(HeightFieldError::NotFinite { column: 0, row: 1 }));
+    }
+
+    #[test]
+    fn no_sample_is_a_bad_number() {
+        let bad = [f64::NAN, -f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
+        for (index, value) in (0..6).flat_map(|index| bad.map(|value| (index, value))) {
+            let mut raw = [0.5; 6];
+            raw[index as usize] = value;
+            let error = HeightField::from_raw(3, 2, &raw).unwrap_err();
+            assert_eq!(error, HeightFieldError::NotFinite { column: index % 3, row: index / 3 });
+            assert_eq!(error.to_string().lines().count(), 3, "what, why, what to do: {error}");
+        }
+        let tiny = f64::from_bits(1);
+        for raw in [
+            [-0.0, 0.0, 1.0, -0.0],
+            [0.0, tiny, 1e-310, -tiny],
+            [0.0, 1e-40, 1.0, 1e-39],
+            [1e38, -1e38, 0.0, -0.0],
+            [f64::MAX, f64::MIN, f64::MIN_POSITIVE, -0.0],
+            [1e300, 1.0 + f64::EPSILON, 1.0, 1e-300],
+        ] {
+            let field = HeightField::from_raw(2, 2, &raw).unwrap();
+            for &sample in field.samples() {
+                let sound = (sample.is_normal() && (0.0..=1.0).contains(&sample)) || sample.to_bits() == 0;
+                assert!(sound, "{sample:e} of {raw:?}");
+            }
+        }
+        let singles = HeightField::from_raw(2, 2, &[f32::from_bits(1), -0.0f32, 1.0, f32::MIN_POSITIVE]).unwrap();
+        assert_eq!(
+            singles.samples().iter().map(|h| h.to_bits()).collect::<Vec<_>>(),
+            [0, 0, 1f32.to_bits(), f32::MIN_POSITIVE.to_bits()]
+        );
+    }
+
+    /// The box goes to the shader.
+    #[test]
+    fn whatever_a_map_is_said_to_show_its_box_can_be_drawn() {
+        let numbers =
+            [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 0.0, -0.0, f64::from_bits(1), 1e38, 1e308, -1.0, 1.0];
+        let field = HeightField::from_raw(3, 4, &(0..12).map(f64::from).collect::<Vec<_>>()).unwrap();
+        for (a, b) in numbers.into_iter().flat_map(|a| numbers.map(|b| (a, b))) {
+            for factor in numbers {
+                let field = field.clone().with_extent_metres(Some([a, b])).with_range([b, a]).with_exaggeration(factor);
+                let size = field.box_size(None);
+                let sound = size.is_finite() && HEIGHT_SCALES.contains(&size.y) && size.x.min(size.z) >= 1e-5;
+                assert!(sound && size.x.max(size.z) == 1.0, "{size} of {a}, {b}, {factor}");
+            }
+        }
     }
 
     #[test]

@@ -141,8 +141,12 @@ pub fn load_bytes(name: &Path, png: &[u8], sidecar: Option<&str>) -> Result<Load
     let mut warnings = Vec::new();
     let bytes = png.len() as u64;
     check_head(&png[..png.len().min(HEAD_BYTES)], bytes, name)?;
-    let picture = image::load_from_memory_with_format(png, image::ImageFormat::Png)
-        .map_err(|error| LoadError::Damaged { path: name.into(), reason: error.to_string() })?;
+    let picture = decode_png(io::Cursor::new(png)).map_err(|(error, [width, height])| match error {
+        ImageError::Limits(_) if is_too_large(width, height) => {
+            LoadError::TooLarge { path: name.into(), width, height }
+        }
+        error => LoadError::Damaged { path: name.into(), reason: one_line(&error) },
+    })?;
     let sidecar = sidecar.and_then(|text| Sidecar::parse(text, &Sidecar::path_of(name), &mut warnings));
     interpret(picture, sidecar, name, warnings)
 }
@@ -242,23 +246,46 @@ fn decode(path: &Path, progress: &dyn Fn(f32)) -> Result<DynamicImage, LoadError
     file.rewind().map_err(io_error)?;
 
     let reader = BufReader::with_capacity(1 << 18, Counting { file, read: 0, bytes, progress });
+    decode_png(reader).map_err(|(error, [width, height])| match error {
+        ImageError::Limits(_) if is_too_large(width, height) => {
+            LoadError::TooLarge { path: path.into(), width, height }
+        }
+        ImageError::IoError(source) if complete && source.kind() != io::ErrorKind::UnexpectedEof => io_error(source),
+        _ if !complete => LoadError::Truncated { path: path.into() },
+        error => LoadError::Damaged { path: path.into(), reason: one_line(&error) },
+    })
+}
+
+/// Decodes a PNG whose head has been checked; an error comes with the size that the head announces. A profile or text
+/// beside the picture cannot take more memory than [`BESIDE_THE_PICTURE`], however much is compressed into it.
+fn decode_png(reader: impl io::BufRead + Seek) -> Result<DynamicImage, (ImageError, [u32; 2])> {
     let mut limits = Limits::no_limits();
     limits.max_image_width = Some(MAX_SIDE);
     limits.max_image_height = Some(MAX_SIDE);
-    limits.max_alloc = Some(MAX_DECODED_BYTES);
-    let mut size = (0, 0);
+    limits.max_alloc = Some(BESIDE_THE_PICTURE);
+    let mut size = [0, 0];
     let decoded = PngDecoder::with_limits(reader, limits.clone()).and_then(|mut decoder| {
-        size = decoder.dimensions();
+        size = decoder.dimensions().into();
+        limits.max_alloc = Some(MAX_DECODED_BYTES);
         limits.clone().reserve(decoder.total_bytes())?;
+        limits.max_alloc = Some(decoder.total_bytes() + BESIDE_THE_PICTURE);
         decoder.set_limits(limits)?;
         DynamicImage::from_decoder(decoder)
     });
-    decoded.map_err(|error| match error {
-        ImageError::Limits(_) => LoadError::TooLarge { path: path.into(), width: size.0, height: size.1 },
-        ImageError::IoError(source) if complete && source.kind() != io::ErrorKind::UnexpectedEof => io_error(source),
-        _ if !complete => LoadError::Truncated { path: path.into() },
-        error => LoadError::Damaged { path: path.into(), reason: error.to_string() },
-    })
+    decoded.map_err(|error| (error, size))
+}
+
+/// Most bytes of what a PNG holds beside its picture: colour profiles and texts.
+const BESIDE_THE_PICTURE: u64 = 4 << 20;
+
+/// Whether a picture can be too large for [`MAX_DECODED_BYTES`], with up to 8 bytes a pixel.
+fn is_too_large(width: u32, height: u32) -> bool {
+    8 * u64::from(width) * u64::from(height) > MAX_DECODED_BYTES
+}
+
+/// A decoder's message, which may have several lines.
+fn one_line(error: &ImageError) -> String {
+    error.to_string().split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 /// The signature, and the first chunk with the picture's size, depth and colour.

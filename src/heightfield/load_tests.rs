@@ -60,6 +60,42 @@ fn eight_and_sixteen_bits_square_or_not_open_with_their_heights() {
     assert_eq!(loaded.field.samples(), [0.0, 1.0, (1.0 / 65535.0) as f32, (2.0 / 65535.0) as f32]);
 }
 
+/// Another program may cut a file off, write into it or delete it while it is being read.
+#[test]
+fn a_file_that_changes_while_it_is_read_is_a_map_or_a_message() {
+    let folder = folder();
+    let overwrite = |path: &Path| {
+        let mut bytes = fs::read(path).unwrap();
+        let middle = bytes.len() / 2;
+        bytes[middle..].fill(0x55);
+        // Into the same file: the reader's handle sees it.
+        let mut file = fs::OpenOptions::new().write(true).open(path).unwrap();
+        io::Write::write_all(&mut file, &bytes).unwrap();
+    };
+    let truncate = |path: &Path| fs::OpenOptions::new().write(true).open(path).unwrap().set_len(5000).unwrap();
+    let delete = |path: &Path| fs::remove_file(path).unwrap();
+    for name in ["overwritten", "cut", "deleted"] {
+        // Larger than the reader's buffer, so that most of it is still unread at the first report.
+        let path = write_map(&folder, 900, 800);
+        let changed = Cell::new(false);
+        let result = load_with_progress(&path, &|_| {
+            if !changed.replace(true) {
+                match name {
+                    "overwritten" => overwrite(&path),
+                    "cut" => truncate(&path),
+                    _ => delete(&path),
+                }
+            }
+        });
+        assert!(changed.get(), "{name}: progress was reported");
+        match result {
+            // An open file can be read although its name is gone.
+            Ok(loaded) => assert_eq!((name, loaded.field.width()), ("deleted", 900)),
+            Err(error) => assert_eq!(error.to_string().lines().count(), 3, "{name}: {error}"),
+        }
+    }
+}
+
 #[test]
 fn a_saved_map_comes_back() {
     let folder = folder();

@@ -7,6 +7,9 @@ mod edited;
 mod field;
 pub mod generate;
 pub mod load;
+mod patch;
+#[cfg(test)]
+mod property_tests;
 mod pyramid;
 pub mod reference;
 pub mod save;

@@ -6,7 +6,7 @@
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use super::HeightField;
+use super::{HeightField, patch};
 use crate::camera::{Camera, Ray};
 
 /// Where a ray meets the terrain first.
@@ -98,7 +98,7 @@ impl<'a> Surface<'a> {
         }
         let local =
             DVec3::new((entry.x - f64::from(x)).clamp(0.0, 1.0), entry.y, (entry.z - f64::from(z)).clamp(0.0, 1.0));
-        let distance = patch(corners, local, direction)?;
+        let distance = patch::first_meeting(corners, local.to_array(), direction.to_array())?;
         (distance <= end - start).then_some(start + distance)
     }
 
@@ -203,30 +203,6 @@ impl Axis {
             inside
         }
     }
-}
-
-/// First distance at which a ray is on or below the bilinear patch over the unit square.
-///
-/// `corners`: heights at (x, z) = (0, 0), (1, 0), (0, 1), (1, 1). The ray's height above the patch is the parabola
-/// A·t² + B·t + C; the root is computed in the form that does not cancel, so that a plane (A = 0) is no special case.
-fn patch([h00, h10, h01, h11]: [f64; 4], origin: DVec3, direction: DVec3) -> Option<f64> {
-    let (a, b) = (h10 - h00, h01 - h00);
-    let k = h00 - h10 - h01 + h11;
-    let surface = h00 + a * origin.x + b * origin.z + k * origin.x * origin.z;
-    let quadratic = -k * direction.x * direction.z;
-    let linear =
-        direction.y - a * direction.x - b * direction.z - k * (origin.x * direction.z + origin.z * direction.x);
-    let constant = origin.y - surface;
-    if constant <= 0.0 {
-        return Some(0.0);
-    }
-    let discriminant = linear * linear - 4.0 * quadratic * constant;
-    if discriminant < 0.0 {
-        return None;
-    }
-    let root = discriminant.sqrt();
-    let distance = if linear <= 0.0 { 2.0 * constant / (root - linear) } else { -(linear + root) / (2.0 * quadratic) };
-    (distance.is_finite() && distance >= 0.0).then_some(distance)
 }
 
 #[cfg(test)]

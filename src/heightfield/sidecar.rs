@@ -4,10 +4,8 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+use super::field::EXTENT_RATIOS;
 use super::{HEIGHT_SCALES, HeightField};
-
-/// West–east extent over north–south extent: far beyond any map, and within what single precision can march.
-const EXTENT_RATIOS: std::ops::RangeInclusive<f64> = 1e-5..=1e5;
 
 /// The tables of a scene file. A screenshot's scene has the stem of its picture, just as a sidecar would.
 const SCENE_TABLES: [&str; 10] =
@@ -148,8 +146,7 @@ impl Sidecar {
     /// sidecar's.
     pub(super) fn drop_what_does_not_fit(&mut self, field: &HeightField, path: &Path, warnings: &mut Vec<String>) {
         let mut warn = |what: String| warnings.push(format!("{}: {what}", path.display()));
-        if self.extent_of(field.cells()).is_some_and(|[x, z]| !(x + z).is_finite() || !EXTENT_RATIOS.contains(&(x / z)))
-        {
+        if self.extent_of(field.cells()).is_some_and(|extent| !HeightField::is_extent(extent)) {
             let (least, most) = (EXTENT_RATIOS.start(), EXTENT_RATIOS.end());
             warn(format!(
                 "extent_metres and metres_per_sample were ignored: west–east over north–south must be {least} to {most}"
@@ -157,6 +154,10 @@ impl Sidecar {
             (self.extent_metres, self.metres_per_sample) = (None, None);
         }
         let extent = self.extent_of(field.cells());
+        if extent.is_none() && self.range().is_some_and(|[low, high]| !(high - low).is_finite()) {
+            warn(format!("lowest_metre and highest_metre were ignored: they must be less than {:e} apart", f64::MAX));
+            (self.lowest_metre, self.highest_metre) = (None, None);
+        }
         let placed = |range: Option<[f64; 2]>, exaggeration: Option<f64>| {
             let (range, exaggeration) = (range.unwrap_or(field.range()), exaggeration.unwrap_or(1.0));
             HeightField::proportion(extent, range) * exaggeration

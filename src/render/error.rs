@@ -10,6 +10,9 @@ pub enum RenderError {
     /// A shader did not compose or compile.
     #[error("a shader does not compile\n  {0}\n  the last good one stays in use")]
     Shader(#[from] ShaderError),
+    /// A number of the scene is outside its range.
+    #[error("the scene cannot be drawn\n  {0}\n  correct the value")]
+    Scene(#[from] crate::scene_file::OutOfRange),
     /// The map is larger than the adapter's textures.
     #[error(
         "the map has {width}×{height} samples, but this adapter's textures end at {limit}×{limit}\n  \
@@ -25,14 +28,17 @@ pub enum RenderError {
     },
     /// The adapter has no memory for the map.
     #[error(
-        "the adapter has no memory for the map's {width}×{height} samples\n  {reason}\n  \
-         reduce the map's resolution, or close other programs that use the GPU"
+        "the adapter has no memory for the map's {width}×{height} samples: they take {} MiB\n  {reason}\n  \
+         reduce the map's resolution, or close other programs that use the GPU",
+        bytes.div_ceil(1 << 20)
     )]
     OutOfMemory {
         /// Columns of the map.
         width: u32,
         /// Rows of the map.
         height: u32,
+        /// Bytes of the heights and their pyramid.
+        bytes: u64,
         /// What the driver said.
         reason: String,
     },

@@ -34,7 +34,7 @@ impl FrameUniform {
         let pixel = camera.pixel_size(size[1]);
         let (right, down) = (basis.right * pixel, -basis.up * pixel);
         let start = ray_start(camera, extent);
-        Self {
+        without_subnormals(Self {
             clip_from_world: camera.clip_from_world(size).as_mat4().to_cols_array_2d(),
             ray_origin: (camera.eye + basis.forward * start).as_vec3(),
             ray_start: start as f32,
@@ -48,8 +48,19 @@ impl FrameUniform {
             centre_x: size[0] as f32 * 0.5,
             ray_direction_down: down.as_vec3(),
             centre_y: size[1] as f32 * 0.5,
+        })
+    }
+}
+
+/// A uniform, all of it floats, with 0 for subnormals and −0: what the one driver flushes and another does not, and a
+/// sign that a division turns into −∞, are no part of any scene.
+pub(super) fn without_subnormals<T: Pod>(mut uniform: T) -> T {
+    for float in bytemuck::cast_slice_mut::<T, f32>(std::slice::from_mut(&mut uniform)) {
+        if float.abs() < f32::MIN_POSITIVE {
+            *float = 0.0;
         }
     }
+    uniform
 }
 
 /// View depth from which rays count their parameter: that of the nearest corner of the box, if all of it lies ahead.

@@ -80,6 +80,14 @@ impl Ground {
         ground
     }
 
+    /// Makes sure that there is room for the pyramid, too, which the first frame may need: were that the first to be
+    /// refused, the terrain before would be gone already. Bytes of both.
+    pub(super) fn try_room(&self, gpu: &Gpu) -> u64 {
+        let format = self.heights.texture.format();
+        let pyramid = empty_texture(gpu, "pyramid", self.pyramid_layout().size(), format);
+        [&self.heights.texture, &pyramid.texture].map(|texture| TextureEntry::of("", texture).bytes).iter().sum()
+    }
+
     /// The map on the CPU, with the craters of the last prepared frame.
     pub(super) fn terrain(&self) -> &EditedTerrain {
         &self.terrain

@@ -6,6 +6,7 @@
 
 use std::sync::LazyLock;
 
+use image::ImageDecoder;
 use rayon::prelude::*;
 
 use crate::gpu::Gpu;
@@ -137,19 +138,43 @@ impl Image {
     /// # Errors
     /// What is wrong with the file, for people.
     pub(super) fn read(path: &std::path::Path, largest: u32) -> Result<Self, String> {
-        let reader = image::ImageReader::open(path).map_err(|error| error.to_string())?;
-        let reader = reader.with_guessed_format().map_err(|error| error.to_string())?;
-        let image = reader.decode().map_err(|error| error.to_string())?;
-        if image.width() > largest || image.height() > largest {
-            return Err(format!(
-                "it has {}×{} pixels, but this adapter's textures end at {largest}",
-                image.width(),
-                image.height()
-            ));
+        // Before opening, because opening a pipe waits for its writer.
+        if !std::fs::metadata(path).map_err(|error| error.to_string())?.is_file() {
+            return Err("it is not a file".into());
         }
+        let file = std::fs::File::open(path).map_err(|error| error.to_string())?;
+        Self::decode(std::io::BufReader::new(file), largest)
+    }
+
+    /// Decodes an image of at most `largest` pixels a side. What its header announces is judged before memory is taken.
+    fn decode(file: impl std::io::BufRead + std::io::Seek, largest: u32) -> Result<Self, String> {
+        let mut reader = image::ImageReader::new(file).with_guessed_format().map_err(|error| error.to_string())?;
+        let mut limits = image::Limits::default();
+        limits.max_alloc = Some(MOST_IMAGE_BYTES);
+        reader.limits(limits.clone());
+        let mut decoder = reader.into_decoder().map_err(|error| one_line(&error))?;
+        let (width, height) = decoder.dimensions();
+        if width > largest || height > largest {
+            return Err(format!("it has {width}×{height} pixels, but this adapter's textures end at {largest}"));
+        }
+        let bytes = decoder.total_bytes().max(4 * u64::from(width) * u64::from(height));
+        if bytes > MOST_IMAGE_BYTES {
+            let most = MOST_IMAGE_BYTES >> 20;
+            return Err(format!("its {width}×{height} pixels take {} MiB, but at most {most} are read", bytes >> 20));
+        }
+        decoder.set_limits(limits).map_err(|error| one_line(&error))?;
+        let image = image::DynamicImage::from_decoder(decoder).map_err(|error| one_line(&error))?;
         let rgba = image.into_rgba8();
         Ok(Self { width: rgba.width(), height: rgba.height(), rgba: rgba.into_raw() })
     }
+}
+
+/// Most bytes that an image may take: 11585×11585 pixels of 4 bytes each.
+const MOST_IMAGE_BYTES: u64 = 512 << 20;
+
+/// A decoder's message, which may have several lines.
+fn one_line(error: &image::ImageError) -> String {
+    error.to_string().split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 #[cfg(test)]
@@ -173,6 +198,77 @@ mod tests {
                 assert_eq!(updated.rgba, fresh.rgba, "{rect:?}, level {}×{}", fresh.width, fresh.height);
             }
         }
+    }
+
+    fn written(format: image::ImageFormat) -> Vec<u8> {
+        let picture =
+            image::RgbImage::from_fn(33, 21, |x, y| image::Rgb([(x * 7) as u8, (y * 11) as u8, (x ^ y) as u8]));
+        let mut bytes = std::io::Cursor::new(Vec::new());
+        image::DynamicImage::ImageRgb8(picture).write_to(&mut bytes, format).unwrap();
+        bytes.into_inner()
+    }
+
+    /// Textures and faces of the sky come from anywhere.
+    #[test]
+    fn mutated_images_end_in_an_image_or_a_message() {
+        use image::ImageFormat::{Jpeg, Png, WebP};
+        let files = [Png, Jpeg, WebP].map(written);
+        let mut seed = 1u64;
+        let mut below = |end: usize| {
+            seed ^= seed << 13;
+            seed ^= seed >> 7;
+            seed ^= seed << 17;
+            (seed % end as u64) as usize
+        };
+        let cases = std::env::var("RELIEF_FUZZ_CASES").map_or(3000, |cases| cases.parse().unwrap());
+        let mut decoded = 0;
+        for case in 0..cases {
+            let mut bytes = files[case % files.len()].clone();
+            for _ in 0..=below(3) {
+                let at = below(bytes.len());
+                match below(4) {
+                    0 => bytes[at] ^= 1 << below(8),
+                    1 => bytes[at] = below(256) as u8,
+                    2 => bytes.truncate(at.max(4)),
+                    _ => {
+                        let end = bytes.len().min(at + 2);
+                        bytes[at..end].fill(0xff);
+                    }
+                }
+            }
+            match Image::decode(std::io::Cursor::new(&bytes), 4096) {
+                Ok(image) => {
+                    decoded += 1;
+                    assert!(image.width.max(image.height) <= 4096);
+                    assert_eq!(image.rgba.len() as u64, 4 * u64::from(image.width) * u64::from(image.height));
+                }
+                Err(reason) => assert!(!reason.is_empty() && reason.lines().count() == 1, "{reason:?}"),
+            }
+        }
+        println!("{cases} images, {decoded} of them decode");
+        assert!(decoded > cases / 20, "only {decoded} of {cases}");
+    }
+
+    #[test]
+    fn what_an_image_announces_is_judged_before_memory_is_taken() {
+        let mut png = written(image::ImageFormat::Png);
+        let announce = |png: &mut Vec<u8>, width: u32, height: u32| {
+            png[16..20].copy_from_slice(&width.to_be_bytes());
+            png[20..24].copy_from_slice(&height.to_be_bytes());
+            // The header's checksum.
+            let sum = !png[12..29].iter().fold(!0u32, |sum, &byte| {
+                (0..8).fold(sum ^ u32::from(byte), |s, _| if s & 1 == 1 { s >> 1 ^ 0xedb8_8320 } else { s >> 1 })
+            });
+            png[29..33].copy_from_slice(&sum.to_be_bytes());
+        };
+        let refusal = |png: &[u8], largest| Image::decode(std::io::Cursor::new(png), largest).unwrap_err();
+        announce(&mut png, 40_000, 2);
+        assert!(refusal(&png, 8192).contains("40000×2 pixels, but this adapter's textures end at 8192"));
+        announce(&mut png, 16_384, 16_384);
+        let message = refusal(&png, 16_384);
+        assert!(message.contains("1024 MiB") && message.contains("512"), "{message}");
+        let folder = tempfile::tempdir().unwrap();
+        assert_eq!(Image::read(folder.path(), 64).unwrap_err(), "it is not a file");
     }
 
     #[test]

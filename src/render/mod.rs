@@ -3,6 +3,8 @@
 //! A frame draws the same unit cube for the terrain, its wireframe, the occluder and, last, the skybox. What is off or
 //! out of view has no pass, no texture and no instruction; the [`Ledger`] tells.
 
+#[cfg(test)]
+mod bad_numbers_tests;
 mod beam;
 mod cones;
 mod cube;
@@ -13,6 +15,8 @@ mod frame;
 mod ground;
 mod heat_map;
 mod ledger;
+#[cfg(test)]
+mod loops_tests;
 mod mips;
 mod occluder;
 mod pipelines;
@@ -166,10 +170,15 @@ impl Renderer {
         if width > limit || height > limit {
             return Err(RenderError::TerrainTooLarge { width, height, limit });
         }
+        // What is written to a texture that could not be made is not valid: an error that follows from the first.
+        let follow_up = self.gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
         let scope = self.gpu.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
         let ground = Ground::new(&self.gpu, prepared.terrain);
-        if let Some(error) = pollster::block_on(scope.pop()) {
-            return Err(RenderError::OutOfMemory { width, height, reason: error.to_string() });
+        let bytes = ground.try_room(&self.gpu);
+        let refused = pollster::block_on(scope.pop()).map(|error| error.to_string());
+        let invalid = pollster::block_on(follow_up.pop()).map(|error| error.to_string());
+        if let Some(reason) = refused.or(invalid).or_else(|| pretended_refusal(bytes)) {
+            return Err(RenderError::OutOfMemory { width, height, bytes, reason });
         }
         self.ground = Some(ground);
         self.drape = Some(Drape::new(prepared.colours));
@@ -382,6 +391,15 @@ impl Renderer {
             sky_pixels: None,
         };
     }
+}
+
+/// Environment variable that makes a debug build's GPU pretend to have no more than so many bytes for a terrain.
+const MEMORY_VARIABLE: &str = "RELIEF_MEMORY_LIMIT";
+
+/// Why a terrain of so many bytes does not fit, where a debug build was told to pretend so.
+fn pretended_refusal(bytes: u64) -> Option<String> {
+    let limit = std::env::var(MEMORY_VARIABLE).ok().filter(|_| cfg!(debug_assertions))?.parse().ok()?;
+    (bytes > limit).then(|| format!("{MEMORY_VARIABLE} allows {limit} bytes"))
 }
 
 /// A depth attachment cleared to infinity.

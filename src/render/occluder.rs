@@ -7,7 +7,7 @@ use crate::gpu::Gpu;
 use crate::heightfield::HeightField;
 use crate::scene::{LightingSettings, OccluderSettings};
 
-use super::frame::{uniform_buffer, uniform_entry};
+use super::frame::{uniform_buffer, uniform_entry, without_subnormals};
 use super::pipelines::{Built, PassDescription};
 
 /// Mirror of `Cube` in `cube.wgsl`.
@@ -52,7 +52,8 @@ pub(super) fn uniform(clip: &[DVec4; 8], world_from_cube: DMat4, lighting: &Ligh
     } else {
         Vec3::ZERO
     };
-    CubeUniform { clip: super::cube::as_f32(clip), sun, ambient: if lighting.enabled { 0.45 } else { 1.0 } }
+    let ambient = if lighting.enabled { 0.45 } else { 1.0 };
+    without_subnormals(CubeUniform { clip: super::cube::as_f32(clip), sun, ambient })
 }
 
 /// A cube's uniform buffer.

@@ -154,6 +154,8 @@ fn build(
         pass.defs.push("FLAT_CONSTANTS");
     }
     let module = sources.compose(pass.file, &pass.modules, &pass.defs)?;
+    #[cfg(test)]
+    super::loops_tests::examine_or_panic(&pass.name, &module);
     let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
     let shader = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some(&pass.name),

@@ -8,6 +8,7 @@ use glam::{DMat4, DVec3, DVec4};
 use crate::camera::{Camera, NamedView};
 use crate::heightfield::{ConeKind, ConeMap};
 use crate::scene::{DebugView, Scene};
+use crate::scene_file;
 
 use super::beam::Beams;
 use super::cones::ConeGround;
@@ -70,6 +71,7 @@ impl Renderer {
     /// Brings textures and uniforms up to date with `scene`; returns what to draw. Where that fails nothing is drawn; the
     /// next frame brings up to date whatever then differs.
     pub(super) fn prepare(&mut self, scene: &Scene, size: [u32; 2], aim: Aim<'_>) -> Result<Passes, RenderError> {
+        scene_file::validate(scene)?;
         let view = self.view(scene, size);
         let probe = matches!(aim, Aim::Probe);
         let terrains = terrains(scene, size, aim);

@@ -10,7 +10,9 @@ use crate::scene::{CraterMode, DebugView, HeightFilter, Scene, Technique};
 
 use super::beam::Beams;
 use super::drape::Drape;
-use super::frame::{corner_sampler_entry, sampler_entry, texture_entry, uniform_buffer, uniform_entry};
+use super::frame::{
+    corner_sampler_entry, sampler_entry, texture_entry, uniform_buffer, uniform_entry, without_subnormals,
+};
 use super::ground::Ground;
 use super::pipelines::{Built, PassDescription};
 
@@ -323,7 +325,7 @@ impl TerrainUniform {
         let cells = field.cells();
         let (layer_cells, rise) = ground.layer().map_or(([1, 1], 0.0), |(_, cells, rise)| (cells, rise));
         let (light, levels) = (&scene.lighting, ground.pyramid_layout());
-        Self {
+        let floats = without_subnormals(Self {
             box_clip: super::cube::as_f32(box_clip),
             size: extent.as_vec3(),
             highest: ground.highest() * extent.y as f32,
@@ -339,9 +341,8 @@ impl TerrainUniform {
             layer_rise: rise * extent.y as f32,
             farthest: box_clip.iter().map(|corner| corner.w).fold(0.0, f64::max) as f32,
             texel_density: drape.map_or(1.0, |drape| drape.texel_density([extent.x, extent.z]) as f32),
-            binary_steps: scene.march.binary_steps,
-            // Every node that a ray can cross on every level, going down and up again, twice over.
-            step_cap: 8 * (cells[0] + cells[1]) + 256,
+            binary_steps: 0,
+            step_cap: 0,
             heat_map_max: scene.debug.heat_map_max.max(1) as f32,
             repeats: scene.diffuse.repeats,
             diffuse: light.diffuse,
@@ -350,8 +351,15 @@ impl TerrainUniform {
             height_unit: (extent.y * ground.height_unit()) as f32,
             sun: light.sun_direction().as_vec3(),
             ambient: light.ambient,
-        }
+        });
+        Self { binary_steps: scene.march.binary_steps, step_cap: step_cap(cells), ..floats }
     }
+}
+
+/// Most steps of a walk over so many cells: every node that a ray can cross on every level, going down and up again,
+/// twice over.
+pub(super) fn step_cap(cells: [u32; 2]) -> u32 {
+    8 * (cells[0] + cells[1]) + 256
 }
 
 /// From the unit cube to the terrain's box, a little inflated.

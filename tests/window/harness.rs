@@ -126,6 +126,13 @@ impl Window {
         self.xdo_words(&line.split_whitespace().collect::<Vec<_>>())
     }
 
+    /// Runs a script of xdotool commands, a line each, in which `WINDOW` is the viewer's window.
+    pub(crate) fn script(&self, lines: &str) {
+        let file = self.path("script");
+        fs::write(&file, lines.replace("WINDOW", &self.id)).unwrap();
+        self.xdo_words(&[file.to_str().unwrap()]);
+    }
+
     fn xdo_words(&self, words: &[&str]) -> String {
         let output = Command::new("xdotool").env("DISPLAY", &self.display).args(words).output().unwrap();
         assert!(output.status.success(), "xdotool {words:?}: {}", String::from_utf8_lossy(&output.stderr));

@@ -86,7 +86,7 @@ impl<'a> Number<'a> {
                 let rail = explain(ui.add(rail), self.tooltip, self.off).accessible_name(self.name);
                 let speed = (range.end().to_f64() - range.start().to_f64()) / 400.0;
                 let field = DragValue::new(value).range(range).speed(speed).suffix(self.unit).max_decimals(decimals);
-                let field = field.clamp_existing_to_range(false).update_while_editing(false);
+                let field = field.clamp_existing_to_range(false).update_while_editing(false).custom_parser(finite);
                 let field = explain(ui.add(field), self.tooltip, self.off).accessible_name(field_name(self.name));
                 explain(ui.label(self.name), self.tooltip, self.off);
                 rail.changed() || field.changed()
@@ -106,7 +106,8 @@ impl<'a> Number<'a> {
             .max_decimals(decimals)
             .clamp_existing_to_range(false)
             // Half a number, such as the 0 of 0.3 for the height of the eye, must not be put right while typing goes on.
-            .update_while_editing(false);
+            .update_while_editing(false)
+            .custom_parser(finite);
         ui.add_enabled_ui(self.off.is_none(), |ui| {
             ui.horizontal(|ui| {
                 let field = explain(ui.add(field), self.tooltip, self.off).accessible_name(self.name);
@@ -117,6 +118,13 @@ impl<'a> Number<'a> {
         })
         .inner
     }
+}
+
+/// The number in a text that was typed. What is none leaves the field as it was, and so do `nan` and `inf`, which egui
+/// would take for the end of the range.
+fn finite(text: &str) -> Option<f64> {
+    let plain: String = text.chars().filter(|c| !c.is_whitespace()).map(|c| if c == '−' { '-' } else { c }).collect();
+    plain.parse().ok().filter(|number: &f64| number.is_finite())
 }
 
 /// The accessible name of the field beside a slider's rail.
