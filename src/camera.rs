@@ -21,7 +21,7 @@ pub struct Camera {
     /// Compass direction in degrees, clockwise from north (−z).
     #[serde(default)]
     pub yaw: f64,
-    /// Degrees above the horizon, −90 to 90.
+    /// Degrees above the horizon, −180 to 180; beyond ±90 the picture is upside down.
     #[serde(default)]
     pub pitch: f64,
     /// Vertical field of view in degrees.

@@ -165,7 +165,7 @@ pub fn validate(scene: &Scene) -> Result<(), OutOfRange> {
             check("camera.eye", value, -FARTHEST..=FARTHEST)?;
         }
         check("camera.yaw", camera.yaw, -ANGLE..=ANGLE)?;
-        check("camera.pitch", camera.pitch, -90.0..=90.0)?;
+        check("camera.pitch", camera.pitch, -180.0..=180.0)?;
         check("camera.fov", camera.fov, FIELDS_OF_VIEW)?;
     }
     let steps = f64::from(MOST_SAMPLES);

@@ -170,7 +170,7 @@ impl View {
             }
             Self::Rolled => {
                 let camera = NamedView::Over.camera(map, extent);
-                Camera { yaw: camera.yaw + 180.0, pitch: 180.0 - camera.pitch, ..camera }
+                Camera { yaw: camera.yaw + 180.0, pitch: -180.0 - camera.pitch, ..camera }
             }
         }
     }
