@@ -36,7 +36,9 @@ fn main() {
         "{adapter}, {driver}\n1024×1024 fractal, {} × {}, median of {rounds} interleaved rounds",
         SIZE[0], SIZE[1]
     );
-    techniques(&gpu, &map, rounds);
+    for dressed in [true, false] {
+        techniques(&gpu, &map, rounds, dressed);
+    }
     crater_modes(&gpu, &map, rounds);
     cpu(&map, rounds);
 }
@@ -79,8 +81,11 @@ fn median(times: &mut [f64]) -> f64 {
     times[times.len() / 2]
 }
 
-fn techniques(gpu: &Arc<Gpu>, map: &Arc<HeightField>, rounds: usize) {
-    println!("\ntechnique against linear-binary 128–512 with 8 halvings: ms, and how many times as fast");
+/// A frame of every technique: `dressed` in light, colours and sky, which cost all of them the same, or without, so that
+/// little but rays is left.
+fn techniques(gpu: &Arc<Gpu>, map: &Arc<HeightField>, rounds: usize, dressed: bool) {
+    let what = if dressed { "whole frames" } else { "unlit, without colours and sky" };
+    println!("\ntechnique against linear-binary 128–512 with 8 halvings, {what}: ms, and how many times as fast");
     let order = [
         Technique::LinearBinary,
         Technique::Linear,
@@ -95,6 +100,7 @@ fn techniques(gpu: &Arc<Gpu>, map: &Arc<HeightField>, rounds: usize) {
     let scenes = order.map(|technique| {
         let mut scene = Scene::default();
         scene.march.technique = technique;
+        (scene.lighting.enabled, scene.diffuse.enabled, scene.skybox.enabled) = (dressed, dressed, dressed);
         scene
     });
     let mut variants = scenes.map(|scene| Variant::new(gpu, map, scene));

@@ -11,13 +11,16 @@ const EXACT: &str = "the technique finds the surface itself and takes no samples
 pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
     let reset = "Sets technique, samples and options back to their defaults. Rebuilds a pipeline on first use.";
     section(ui, "March", true, Some(reset), |ui, reset| {
+        let compared = panel.scene.compare.enabled.then_some(panel.scene.compare.technique);
         let march = &mut panel.scene.march;
         if reset {
             *march = MarchSettings::default();
         }
         technique(ui, march);
-        samples(ui, march);
-        filter(ui, march, panel.facts.filterable_heights);
+        // Both halves of a split picture take the same settings.
+        let drawn: Vec<_> = std::iter::once(march.technique).chain(compared).collect();
+        samples(ui, march, &drawn);
+        filter(ui, march, &drawn, panel.facts.filterable_heights);
         let tooltip = "Rays start at the height of the highest terrain and not at the lid of the box. Saves steps.";
         toggle(ui, &mut march.lower_start, "Lower start", tooltip);
         let tooltip = "Rays that meet nothing are discarded, which gives the terrain its silhouette; otherwise they \
@@ -54,8 +57,9 @@ fn technique(ui: &mut Ui, march: &mut MarchSettings) {
     choose(ui, &mut march.technique, &choices, "Technique", tooltip, None);
 }
 
-fn samples(ui: &mut Ui, march: &mut MarchSettings) {
-    let exact = !march.technique.counts_samples();
+fn samples(ui: &mut Ui, march: &mut MarchSettings, drawn: &[Technique]) {
+    let exact = !drawn.iter().any(|technique| technique.counts_samples());
+    let solved = !drawn.iter().any(|technique| technique.halves());
     let fixed = !exact && !march.steps_by_angle;
     let tooltip = "Steps of a ray that looks straight down. More are slower and miss less.";
     let fewest = Number::new("Fewest samples", tooltip).logarithmic();
@@ -77,14 +81,14 @@ fn samples(ui: &mut Ui, march: &mut MarchSettings) {
     let tooltip =
         "Halvings of the step that went below the ground; 0 is off. Each costs one sample and halves the error.";
     Number::new("Halvings", tooltip)
-        .disabled_when(march.technique == Technique::Linear, "linear takes the first sample below the ground")
-        .disabled_when(march.technique == Technique::Secant, "secant solves the last step as a straight line")
+        .disabled_when(solved && drawn.contains(&Technique::Linear), "linear takes the first sample below the ground")
+        .disabled_when(solved && drawn.contains(&Technique::Secant), "secant solves the last step as a straight line")
         .disabled_when(exact, EXACT)
         .slider(ui, &mut march.binary_steps, 0..=24);
 }
 
-fn filter(ui: &mut Ui, march: &mut MarchSettings, hardware: bool) {
-    let unfiltered = (!hardware).then_some("this adapter cannot filter 32-bit float textures");
+fn filter(ui: &mut Ui, march: &mut MarchSettings, drawn: &[Technique], hardware: bool) {
+    let unfiltered = (!hardware).then_some("this adapter cannot filter the map's heights");
     let choices = [
         Choice {
             value: HeightFilter::Exact,
@@ -105,10 +109,12 @@ fn filter(ui: &mut Ui, march: &mut MarchSettings, hardware: bool) {
             off: None,
         },
     ];
-    let off = match march.technique {
-        Technique::Linear | Technique::LinearBinary | Technique::Secant => None,
-        Technique::Cone | Technique::RelaxedCone => Some("cones are only safe over the surface itself"),
-        Technique::MaxMipmap => Some(EXACT),
+    let off = if drawn.iter().any(|technique| technique.samples_uniformly()) {
+        None
+    } else if drawn.iter().any(|technique| technique.cones().is_some()) {
+        Some("cones are only safe over the surface itself")
+    } else {
+        Some(EXACT)
     };
     let tooltip = "How a height between the samples of the map is read.";
     choose(ui, &mut march.filter, &choices, "Height filter", tooltip, off);

@@ -180,13 +180,16 @@ mod tests {
     fn controls_without_effect_are_disabled() {
         let march = SECTIONS[2];
         assert_eq!(march.0, "March");
-        let disabled = |technique| {
+        let disabled_beside = |technique, other: Option<Technique>| {
             let mut scene = Scene::default();
             scene.march.technique = technique;
+            scene.compare.enabled = other.is_some();
+            scene.compare.technique = other.unwrap_or_default();
             let found = section_widgets(march, &mut scene);
             let off: HashSet<String> = found.into_iter().filter(|widget| widget.disabled).map(|w| w.label).collect();
             off
         };
+        let disabled = |technique| disabled_beside(technique, None);
         let linear = disabled(Technique::Linear);
         assert!(linear.contains("Halvings") && !linear.contains("Most samples"), "{linear:?}");
         assert!(disabled(Technique::LinearBinary).is_empty());
@@ -201,6 +204,10 @@ mod tests {
             ["Halvings", "Most samples", "Fewest samples", "Height filter"].iter().all(|name| exact.contains(*name))
         );
         assert!(!exact.contains("Technique"));
+        // The other half of a split picture takes the same settings.
+        assert_eq!(disabled_beside(Technique::MaxMipmap, Some(Technique::Linear)), linear);
+        assert!(disabled_beside(Technique::Linear, Some(Technique::LinearBinary)).is_empty());
+        assert_eq!(disabled_beside(Technique::MaxMipmap, Some(Technique::MaxMipmap)), exact);
     }
 
     #[test]
