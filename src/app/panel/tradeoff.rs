@@ -3,7 +3,7 @@
 use std::ops::RangeInclusive;
 
 use egui::{Color32, ProgressBar, Sense, Ui, vec2};
-use egui_plot::{Corner, GridMark, HoverPosition, Legend, Line, MarkerShape, Plot, Points};
+use egui_plot::{GridMark, HoverPosition, Line, MarkerShape, Plot, Points};
 
 use super::Panel;
 use super::widgets::{button_unless, section};
@@ -17,15 +17,15 @@ const HEIGHT: f32 = 240.0;
 /// Error in cells below which a point is drawn on the plot's lower edge: a logarithm has no zero.
 const LEAST_ERROR: f64 = 1e-6;
 
-/// Colours and shapes of the techniques, in their order: told apart by colour-blind eyes (Okabe, Ito 2008), too.
-const LOOKS: [(Color32, MarkerShape); 7] = [
+/// Colours and shapes of the techniques, in their order: told apart by colour-blind eyes (Okabe, Ito 2008), too. The
+/// report's plot has the same colours.
+const LOOKS: [(Color32, MarkerShape); 6] = [
     (Color32::from_rgb(230, 159, 0), MarkerShape::Circle),
     (Color32::from_rgb(86, 180, 233), MarkerShape::Square),
-    (Color32::from_rgb(240, 228, 66), MarkerShape::Diamond),
     (Color32::from_rgb(0, 158, 115), MarkerShape::Up),
-    (Color32::from_rgb(204, 121, 167), MarkerShape::Down),
+    (Color32::from_rgb(204, 121, 167), MarkerShape::Diamond),
+    (Color32::from_rgb(0, 114, 178), MarkerShape::Down),
     (Color32::from_rgb(213, 94, 0), MarkerShape::Asterisk),
-    (Color32::from_rgb(200, 200, 200), MarkerShape::Plus),
 ];
 
 pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
@@ -54,6 +54,12 @@ pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
         }
         ui.label("Error in cells (99% of the pixels) over ms per frame");
         plot(ui, results);
+        // The legend: in the plot, it would cover curves.
+        ui.horizontal_wrapped(|ui| {
+            for (technique, (colour, _)) in looks() {
+                ui.colored_label(colour, format!("● {}", technique.name()));
+            }
+        });
         ui.weak(format!("Left and low is better. On the lower edge: {LEAST_ERROR:e} cells or less."));
     });
 }
@@ -67,10 +73,7 @@ fn plot(ui: &mut Ui, results: &[Setting]) {
         }
         _ => None,
     };
-    let plot = Plot::new("tradeoff")
-        .height(HEIGHT)
-        .legend(Legend::default().position(Corner::RightBottom))
-        .sense(Sense::hover());
+    let plot = Plot::new("tradeoff").height(HEIGHT).sense(Sense::hover());
     let plot = plot.allow_drag(false).allow_zoom(false).allow_scroll(false).allow_boxed_zoom(false);
     let plot = plot
         .x_grid_spacer(|input| decades(input.bounds))
@@ -78,13 +81,18 @@ fn plot(ui: &mut Ui, results: &[Setting]) {
         .set_margin_fraction(vec2(0.1, 0.1));
     let plot = plot.x_axis_formatter(axis_number).y_axis_formatter(axis_number).label_formatter(describe);
     plot.show(ui, |ui| {
-        for (technique, (colour, shape)) in Technique::ALL.into_iter().zip(LOOKS.into_iter().cycle()) {
+        for (technique, (colour, shape)) in looks() {
             let of_technique = results.iter().filter(|setting| setting.technique == technique);
             let places: Vec<[f64; 2]> = of_technique.filter_map(place).collect();
             ui.line(Line::new(technique.name(), places.clone()).color(colour).allow_hover(false));
             ui.points(Points::new(technique.name(), places).color(colour).shape(shape).radius(4.5));
         }
     });
+}
+
+/// Every technique with its colour and marker.
+fn looks() -> impl Iterator<Item = (Technique, (Color32, MarkerShape))> {
+    Technique::ALL.into_iter().zip(LOOKS.into_iter().cycle())
 }
 
 /// Where a setting stands: powers of ten of milliseconds and cells.
