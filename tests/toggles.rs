@@ -465,6 +465,12 @@ fn an_edit_is_a_fresh_build_byte_for_byte_and_can_be_taken_back() {
             with.push(picture(&mut edited, &scene));
         }
         assert!(picture(&mut renderer(&map), &scene) == with[list.len() - 1], "{technique:?}: not as freshly built");
+        // Colours that are first painted when the craters are there already are the same, too.
+        let mut late = renderer(&map);
+        let mut plain = scene.clone();
+        plain.diffuse.enabled = false;
+        picture(&mut late, &plain);
+        assert!(picture(&mut late, &scene) == with[list.len() - 1], "{technique:?}: painted late");
         for count in (1..list.len()).rev() {
             scene.craters.list.pop();
             assert!(picture(&mut edited, &scene) == with[count - 1], "{technique:?}: undo to {count}");

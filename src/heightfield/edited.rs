@@ -72,6 +72,12 @@ impl EditedTerrain {
         &self.pyramid
     }
 
+    /// The samples that craters may have displaced; `None` while there are none.
+    pub fn displaced(&self) -> Option<SampleRect> {
+        let grid = Grid::of(&self.base);
+        self.craters.iter().filter_map(|crater| crater.rect(&grid)).reduce(SampleRect::union)
+    }
+
     /// The craters, oldest first.
     pub fn craters(&self) -> &[Crater] {
         &self.craters

@@ -210,10 +210,12 @@ impl Renderer {
             return Ok(());
         }
         let Some(ground) = &mut self.ground else { return Ok(()) };
-        let field = ground.terrain().field();
-        if drape.prepare(&self.gpu, &scene.diffuse, field)? {
-            // A texture painted now shows all craters of the last frame already.
+        // Painted by the slopes of the map without craters, whenever that is: colours far from a crater stay as they are.
+        if drape.prepare(&self.gpu, &scene.diffuse, ground.terrain().base())? {
             ground.take_changed();
+            if let Some(rect) = ground.terrain().displaced() {
+                self.uploaded += drape.update(&self.gpu, ground.terrain().field(), rect);
+            }
         }
         self.uploaded += drape.take_uploaded();
         Ok(())
