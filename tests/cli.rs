@@ -307,6 +307,7 @@ fn an_input_is_not_replaced_by_an_output() {
     let before = fs::read(bench.path("map.png")).unwrap();
     bench.relief("render map.png -o ./map.png").expect(2, &["input and an output", "another name"]);
     bench.relief("render map.png -o a.png --depth ./a.png").expect(2, &["two outputs"]);
+    bench.relief("render map.png -o a.jpg").expect(2, &["a.jpg would be a PNG file", "Name it a.png"]);
     assert_eq!(fs::read(bench.path("map.png")).unwrap(), before);
 }
 

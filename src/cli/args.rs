@@ -36,7 +36,7 @@ Defaults come first, then the scene file, then the options given here.";
 
 const REPORT_EXAMPLES: &str = "\
 Examples:
-  relief report -o canyon                      the Grand Canyon, all settings, five views: some ten minutes in software
+  relief report -o canyon                      the Grand Canyon, all settings, five views: five to ten minutes in software
   relief report map.png -o quick --quick       under a minute
   relief report -o mine --scene screenshot.toml --size 640x400
 
@@ -44,13 +44,15 @@ Ctrl-C, or SIGTERM, ends it and writes what was measured until then.";
 
 const STRESS_EXAMPLES: &str = "\
 Examples:
-  relief stress -o stress                      all cases, and the bound over map sizes up to the adapter's limit
-  relief stress -o quick --quick               under a minute
+  relief stress -o stress                      all cases, and the bound over map sizes up to the adapter's limit: minutes
+  relief stress -o quick --quick               seconds
   relief stress --list                         the names of the cases
   relief stress -o some --case needles --case fov-0.001
 
-Exit code 1 means that max-mipmap broke its promise, and stress.md says where: ground missed or invented outside the
-tangency band, an error above the bound, a distance that is no number, a walk that was cut off, an error of the driver.
+Exit code 1 means that max-mipmap broke its promise, and stress.md says where: ground missed or invented
+outside the tangency band, an error above the bound, a distance that is no number, a walk that was cut
+off, an error of the driver.
+
 Ctrl-C ends it and writes what was measured until then.";
 
 /// Flies over height maps without a mesh: a fragment shader casts one ray per pixel through a unit cube.
@@ -146,7 +148,7 @@ pub(crate) struct ReportArgs {
     /// Height of the terrain in world units, 0 (flat) to 1000 [default: the scene's, else the map's own proportion]
     #[arg(long, value_name = "S", value_parser = parse::height_scale, allow_negative_numbers = true)]
     pub(crate) height_scale: Option<f64>,
-    /// Few settings and rounds: under a minute instead of some ten
+    /// Few settings and rounds: under a minute instead of five to ten
     #[arg(long)]
     pub(crate) quick: bool,
 }
@@ -166,7 +168,7 @@ pub(crate) struct StressArgs {
     /// Size of the measured pictures in pixels; some cases have their own [default: 320x200, with --quick 64x40]
     #[arg(long, value_name = "WxH", value_parser = parse::size)]
     pub(crate) size: Option<[u32; 2]>,
-    /// Smaller maps and fewer views: under a minute instead of some ten
+    /// Smaller maps and fewer views: seconds instead of minutes
     #[arg(long)]
     pub(crate) quick: bool,
 }

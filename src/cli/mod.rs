@@ -86,6 +86,11 @@ fn print(text: &str) -> Result<(), Failure> {
     }
 }
 
+/// Says how a long run ended.
+fn tell(message: &str) {
+    eprintln!("relief: {message}");
+}
+
 /// Tells of something that does not end the work.
 fn warn(message: &str) {
     eprintln!("relief: warning: {message}");

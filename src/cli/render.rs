@@ -31,6 +31,8 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     terrain::place_camera(&args.scene, &mut scene, &map)?;
 
     let (scene_view, heat_map_max) = (scene.debug.view, scene.debug.heat_map_max);
+    let compare = &scene.compare;
+    let sides = compare.enabled.then(|| (scene.march.technique.name(), compare.technique.name(), compare.share));
     let mut easel = Easel::new(gpu, scene, map, args.size)?;
     let progress = Progress::start("drawing");
     let times = if args.stats.is_some() { easel.timed_frames(args.frames)? } else { easel.frame()? };
@@ -46,6 +48,9 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     drop(progress);
 
     outputs.picture.write(&picture)?;
+    if let Some((left, right, share)) = sides {
+        eprintln!("relief: {left} left of {:.0} % of the width, {right} right of it", share * 100.0);
+    }
     if scene_view == DebugView::Steps {
         eprintln!("relief: steps per ray: black is 0, pale yellow {heat_map_max} or more");
     }
@@ -92,6 +97,12 @@ struct Outputs {
 impl Outputs {
     /// Checks that each can be written and that they are different files.
     fn prepare(args: &RenderArgs) -> Result<Self, Failure> {
+        let extension = args.output.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
+        if image::ImageFormat::from_extension(extension).is_some_and(|format| format != image::ImageFormat::Png) {
+            return Err(Failure::usage(format!("{} would be a PNG file", args.output.display()))
+                .line(format!("Pictures are written as PNG, which nobody expects in a .{extension}."))
+                .line(format!("Name it {}.", args.output.with_extension("png").display())));
+        }
         let optional = |path: &Option<_>| path.as_deref().map(Output::prepare).transpose();
         let outputs = Self {
             picture: Output::prepare(&args.output)?,

@@ -16,10 +16,11 @@ use crate::scene_file;
 
 pub(crate) fn run(args: &ReportArgs) -> Result<(), Failure> {
     let (scene, cameras) = scenes(args)?;
-    let outputs = Outputs::prepare(&args.output)?;
     let source = Source::of(&scene);
     let (gpu, loaded) = source.load_for_gpu()?;
     terrain::check_size(args.size, gpu.capabilities.max_texture)?;
+    // After all that may be refused: no empty folder is left then.
+    let outputs = Outputs::prepare(&args.output)?;
     let map = with_craters(loaded.field, &scene);
     let views = if cameras.is_empty() {
         let extent = map.box_size(scene.terrain.height_scale);
@@ -45,7 +46,10 @@ pub(crate) fn run(args: &ReportArgs) -> Result<(), Failure> {
     }
     outputs.write(&report)?;
     match &report.stopped {
-        None => Ok(()),
+        None => {
+            super::tell(&format!("the report is in {}; begin with report.md", args.output.display()));
+            Ok(())
+        }
         Some(reason) => Err(Failure::new(Exit::Failed, "the report is not finished")
             .line(reason.clone())
             .line(format!("What was measured until then is in {}.", args.output.display()))),

@@ -35,9 +35,9 @@ pub(crate) fn run(args: &StressArgs) -> Result<(), Failure> {
             .line("The cases leave tables and pictures.")
             .line("Name one with -o DIR."));
     };
-    let outputs = Outputs::prepare(folder, args.cases.is_empty())?;
     let gpu = Gpu::headless()?;
     terrain::check_size(size, gpu.capabilities.max_texture)?;
+    let outputs = Outputs::prepare(folder, args.cases.is_empty())?;
     let report = {
         let watch = Watch::start();
         stress::measure(&gpu, &job, &watch)?
@@ -60,7 +60,11 @@ fn verdict(report: &StressReport, folder: &Path) -> Result<(), Failure> {
         return Err(named.line(format!("All of them are in {}.", folder.join("stress.md").display())));
     }
     match &report.stopped {
-        None => Ok(()),
+        None => {
+            let (cases, folder) = (report.cases.len(), folder.display());
+            super::tell(&format!("max-mipmap kept its promise in all {cases} cases; see stress.md in {folder}"));
+            Ok(())
+        }
         Some(reason) => Err(Failure::new(Exit::Failed, "the cases are not finished")
             .line(reason.clone())
             .line(format!("What was measured until then is in {}.", folder.display()))),

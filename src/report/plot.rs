@@ -5,9 +5,9 @@ use std::fmt::Write;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder};
 
-use super::Report;
 use super::settings::Setting;
 use super::sweep::front;
+use super::{Report, ViewReport};
 use crate::scene::Technique;
 
 /// Why there is no picture.
@@ -49,27 +49,48 @@ struct Point {
     errors: [f64; 2],
 }
 
-/// The settings that were timed in every view.
-fn points(report: &Report) -> Vec<Point> {
-    let Some(first) = report.views.first() else { return Vec::new() };
+/// The views in which times were taken: all, unless the measurement ended early.
+fn timed(report: &Report) -> Vec<&ViewReport> {
+    report.views.iter().filter(|view| view.rows.iter().any(|row| row.times.is_some())).collect()
+}
+
+/// The settings that were timed in each of these views.
+fn points(views: &[&ViewReport]) -> Vec<Point> {
+    let Some(first) = views.first() else { return Vec::new() };
     let point = |setting: Setting| {
         let (mut sum, mut errors) = (0.0, [0.0f64; 2]);
-        for view in &report.views {
+        for view in views {
             let row = view.rows.iter().find(|row| row.setting == setting)?;
             sum += row.times?.ms;
             errors = [errors[0].max(row.figures.p99), errors[1].max(row.figures.wrong)];
         }
-        Some(Point { setting, ms: sum / report.views.len() as f64, errors })
+        Some(Point { setting, ms: sum / views.len() as f64, errors })
     };
     first.rows.iter().filter_map(|row| point(row.setting)).collect()
 }
 
-/// The drawing. Settings that were not timed in every view are not in it.
+/// The drawing. Views without times are not in it, nor settings that were not timed in all the others; a line below says
+/// so.
 pub fn svg(report: &Report) -> String {
     let mut out = String::new();
+    let views = timed(report);
     // Writing to a string cannot fail.
-    let _ = write_svg(&mut out, report, &points(report));
+    let _ = write_svg(&mut out, report, &views, &points(&views));
     out
+}
+
+/// What is not in the drawing and might be looked for there.
+fn missing(report: &Report, points: &[Point]) -> String {
+    let absent = |technique: &Technique| !points.iter().any(|point| point.setting.technique == *technique);
+    let absent: Vec<_> = Technique::ALL.into_iter().filter(absent).map(Technique::name).collect();
+    let mut words = String::new();
+    if report.stopped.is_some() {
+        words += "; the measurement ended early";
+    }
+    if !absent.is_empty() {
+        words += &format!("; left out, and report.md says why: {}", absent.join(", "));
+    }
+    words
 }
 
 /// `svg`, a plot of [`svg`], as a PNG on white.
@@ -114,13 +135,13 @@ pub(super) fn rasterise(
     Ok(bytes)
 }
 
-fn write_svg(out: &mut String, report: &Report, points: &[Point]) -> std::fmt::Result {
+fn write_svg(out: &mut String, report: &Report, views: &[&ViewReport], points: &[Point]) -> std::fmt::Result {
     writeln!(
         out,
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" width=\"{WIDTH}\" height=\"{HEIGHT}\" \
          font-family=\"sans-serif\" font-size=\"16\" fill=\"#111\">\n<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>"
     )?;
-    let views: Vec<_> = report.views.iter().map(|view| view.name.as_str()).collect();
+    let views: Vec<_> = views.iter().map(|view| view.name.as_str()).collect();
     let title = format!(
         "{}, {}×{} samples, at {}×{} pixels on {}",
         report.map, report.map_samples[0], report.map_samples[1], report.size[0], report.size[1], report.adapter
@@ -135,7 +156,8 @@ fn write_svg(out: &mut String, report: &Report, points: &[Point]) -> std::fmt::R
         panel.frame(out, label)?;
         panel.curves(out, points, &errors)?;
     }
-    let note = format!("time: mean of the views' medians; error: the worst view ({})", views.join(", "));
+    let missing = missing(report, points);
+    let note = format!("time: mean of the views' medians; error: the worst view ({}){missing}", views.join(", "));
     text(out, LEFT[0], HEIGHT - 10.0, "start", 14.0, &note)?;
     writeln!(out, "</svg>")
 }
