@@ -2,9 +2,9 @@
 //! along it.
 
 use std::ops::ControlFlow;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use super::graphics::Graphics;
 use super::viewer::Viewer;
@@ -43,6 +43,9 @@ impl Drop for Work {
 pub(crate) struct ConeFinder {
     /// What was asked for last; its work is absent where there were no threads for it, which is not tried again.
     current: Option<(Wanted, Option<Work>)>,
+    /// Held by the search under way: one that is cancelled still finishes what it is at, and where craters follow one
+    /// another quickly, the memory of several would be taken at once.
+    turn: Arc<Mutex<()>>,
 }
 
 impl ConeFinder {
@@ -73,7 +76,7 @@ impl ConeFinder {
         }
         // What was begun gives its threads back first.
         self.current = Some((wanted.clone(), None));
-        let work = start(wanted.clone(), done)?;
+        let work = start(wanted.clone(), Arc::clone(&self.turn), done)?;
         self.current = Some((wanted.clone(), Some(work)));
         Ok(true)
     }
@@ -111,8 +114,9 @@ impl<F: FnOnce()> Drop for CallOnDrop<F> {
     }
 }
 
-/// Begins to find cones, on all processors but one: that is for the window.
-fn start(wanted: Wanted, done: impl FnOnce() + Send + 'static) -> Result<Work, String> {
+/// Begins to find cones, on all processors but one, which is for the window,
+/// as soon as it is this search's `turn`.
+fn start(wanted: Wanted, turn: Arc<Mutex<()>>, done: impl FnOnce() + Send + 'static) -> Result<Work, String> {
     let processors = std::thread::available_parallelism().map_or(2, usize::from);
     let threads = rayon::ThreadPoolBuilder::new()
         .num_threads((processors - 1).max(1))
@@ -127,10 +131,15 @@ fn start(wanted: Wanted, done: impl FnOnce() + Send + 'static) -> Result<Work, S
     threads.spawn(move || {
         let _done = CallOnDrop(Some(done));
         let sender = sender;
+        // Each search has threads of its own, so none of those that wait here is needed by the one before it.
+        let _turn = turn.lock().unwrap_or_else(PoisonError::into_inner);
         if stop.load(Ordering::Relaxed) {
             return;
         }
         let field = wanted.ground.field();
+        if stop.load(Ordering::Relaxed) {
+            return;
+        }
         let map = ConeMap::build_while(&field, wanted.kind, &|share| {
             // Of shares that are not negative the larger has the larger bits.
             found.fetch_max(share.to_bits(), Ordering::Relaxed);
@@ -258,6 +267,21 @@ mod tests {
         finder.forget();
         receiver.recv_timeout(Duration::from_secs(60)).unwrap();
         assert!(!finder.is_busy() && finder.poll().unwrap().is_none());
+    }
+
+    /// Craters that follow one another quickly would else hold the memory of many searches at once.
+    #[test]
+    fn a_search_waits_until_the_one_before_has_ended() {
+        let mut finder = ConeFinder::default();
+        let turn = Arc::clone(&finder.turn);
+        let before = turn.lock().unwrap();
+        let (wanted, (sender, receiver)) = (wanted(17, ConeKind::Cone), channel());
+        finder.ask(&wanted, move || sender.send(()).unwrap()).unwrap();
+        assert!(receiver.recv_timeout(Duration::from_millis(100)).is_err());
+        assert!(finder.poll().unwrap().is_none() && finder.is_busy());
+        drop(before);
+        receiver.recv_timeout(Duration::from_secs(60)).unwrap();
+        assert_eq!(finder.poll().unwrap().unwrap().0, wanted);
     }
 
     /// No frame may stop to find cones, and the technique that was chosen draws as soon as they are there.

@@ -253,6 +253,9 @@ impl Ground {
             });
             let piece = SampleRect { x: 0, y: 0, width: rect.width, height };
             bytes += upload(gpu, texture, [place[0] + rect.x, place[1] + y], &whole, rect.width, piece);
+            if y + height < end {
+                give_staging_back(gpu);
+            }
         }
         bytes
     }
@@ -368,6 +371,11 @@ pub(super) fn empty_texture(gpu: &Gpu, label: &str, size: [u32; 2], format: wgpu
     Texture { texture, view }
 }
 
+/// Staging memory is only given back with a submission.
+fn give_staging_back(gpu: &Gpu) {
+    gpu.queue.submit([]);
+}
+
 /// Copies `rect` of a grid of texels, `stride` to a row, into `texture`, where the grid begins at `place`; returns the
 /// bytes copied. `T` is what a texel's channels are.
 pub(super) fn upload<T: bytemuck::Pod>(
@@ -404,8 +412,7 @@ pub(super) fn upload<T: bytemuck::Pod>(
         );
         y += height;
         if y < rect.y + rect.height {
-            // Staging memory is only given back with a submission.
-            gpu.queue.submit([]);
+            give_staging_back(gpu);
         }
     }
     u64::from(rect.width) * u64::from(rect.height) * texel_bytes as u64

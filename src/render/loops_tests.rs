@@ -224,25 +224,40 @@ impl Code<'_> {
             _ => None,
         };
         let Some(limit) = limit else { return Some("its coordinate is not clamped".into()) };
-        let known = |value: &Value| match *self.expression(*value) {
-            Expression::ImageQuery { image: other, query: ImageQuery::Size { .. } } => {
-                self.expression(other) == self.expression(image)
+        // How much less than the texture's size the limit is, on the way to what says that size.
+        let (mut part, mut less) = (limit, 0.0);
+        let beyond = loop {
+            match *self.expression(part) {
+                Expression::As { expr, .. } | Expression::Load { pointer: expr } => part = expr,
+                Expression::Binary { op: BinaryOperator::Subtract, left, right } => {
+                    less += self.everywhere(right).unwrap_or(f64::NEG_INFINITY);
+                    part = left;
+                }
+                Expression::ImageQuery { image: other, query: ImageQuery::Size { .. } } => {
+                    break if self.expression(other) == self.expression(image) { less < 1.0 } else { true };
+                }
+                // `terrain.cells`: the size of the cones' texture, and one less than that of the heights'.
+                Expression::AccessIndex { base, index } if self.names_cells(base, index) => {
+                    break less < if self.is_named(image, "heights") { 0.0 } else { 1.0 };
+                }
+                _ => break true,
             }
-            // `terrain.cells`: the size of the cones' texture, and one less than that of the heights'.
-            Expression::AccessIndex { base, index } => self.names_cells(base, index),
-            _ => false,
         };
-        let mut parts = vec![limit];
-        let mut next = 0;
-        while next < parts.len() {
-            match *self.expression(parts[next]) {
-                Expression::As { expr, .. } | Expression::Load { pointer: expr } => parts.push(expr),
-                Expression::Binary { op: BinaryOperator::Subtract, left, .. } => parts.push(left),
-                _ => {}
-            }
-            next += 1;
+        beyond.then(|| "its coordinate is not clamped to the last texel of its texture".into())
+    }
+
+    /// The number that each component of a value is.
+    fn everywhere(&self, value: Value) -> Option<f64> {
+        match *self.expression(value) {
+            Expression::Literal(literal) => number(literal),
+            Expression::Splat { value, .. } => self.everywhere(value),
+            _ => None,
         }
-        (!parts.iter().any(known)).then(|| "its coordinate is not clamped to the size of its texture".into())
+    }
+
+    fn is_named(&self, image: Value, name: &str) -> bool {
+        let Expression::GlobalVariable(global) = *self.expression(image) else { return false };
+        self.module.global_variables[global].name.as_deref().is_some_and(|full| full.starts_with(name))
     }
 
     fn names_cells(&self, base: Value, index: u32) -> bool {
@@ -379,6 +394,8 @@ fn loops_without_a_bound_are_found() {
         "while s.n < MOST { let old = s; s.n += 1u; s = same(1.0, old); }",
         "sum = textureLoad(image, vec2i(p.xy), 0).r;",
         "sum = textureLoad(image, min(vec2i(p.xy), vec2i(u)), 0).r;",
+        "sum = textureLoad(image, min(vec2i(p.xy), vec2i(textureDimensions(image))), 0).r;",
+        "sum = textureLoad(image, min(vec2i(p.xy), vec2i(textureDimensions(image)) - 0), 0).r;",
     ] {
         assert_eq!(doubts(endless), 1, "{endless}");
     }

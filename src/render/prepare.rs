@@ -65,6 +65,8 @@ pub(super) struct View {
     pub(super) clip_from_world: DMat4,
     /// Size of the terrain's box.
     pub(super) extent: DVec3,
+    /// Corners of the box that is drawn for it.
+    box_clip: [DVec4; 8],
 }
 
 impl Renderer {
@@ -200,7 +202,8 @@ impl Renderer {
                 (scene.camera.unwrap_or(camera), DVec3::ZERO)
             }
         };
-        View { camera, clip_from_world: camera.clip_from_world(size), extent }
+        let box_clip = terrain::drawn_box(&camera, size, extent);
+        View { camera, clip_from_world: camera.clip_from_world(size), extent, box_clip }
     }
 
     fn prepare_drape(&mut self, scene: &Scene, shown: bool) -> Result<(), RenderError> {
@@ -250,7 +253,7 @@ impl Renderer {
     }
 
     fn shows_terrain(&self, view: &View) -> bool {
-        self.ground.is_some() && in_view(&clip_corners(view.clip_from_world, terrain::world_from_box(view.extent)))
+        self.ground.is_some() && in_view(&view.box_clip)
     }
 
     fn terrain_draw(
@@ -262,8 +265,7 @@ impl Renderer {
         aim: Aim<'_>,
     ) -> Result<Option<Draw>, RenderError> {
         let Some(ground) = &self.ground else { return Ok(None) };
-        let box_clip = clip_corners(view.clip_from_world, terrain::world_from_box(view.extent));
-        if !in_view(&box_clip) {
+        if !in_view(&view.box_clip) {
             return Ok(None);
         }
         let units = ground.terrain().base().units();
@@ -275,7 +277,7 @@ impl Renderer {
             });
         }
         let built = self.pipelines.get(&self.gpu, &self.frame.layout, PipelineKey::Terrain(key))?;
-        let uniform = TerrainUniform::new(scene, ground, self.drape.as_ref(), view.extent, &box_clip);
+        let uniform = TerrainUniform::new(scene, ground, self.drape.as_ref(), view.extent, &view.box_clip);
         let textures = Textures {
             ground,
             drape: self.drape.as_ref(),
@@ -289,7 +291,7 @@ impl Renderer {
 
     fn wireframe_draw(&mut self, view: &View, area: Area) -> Result<Option<Draw>, RenderError> {
         // A little outside the box, so that its own walls do not cut the edges into dashes.
-        let clip: [DVec4; 8] = clip_corners(view.clip_from_world, terrain::world_from_box(view.extent));
+        let clip = clip_corners(view.clip_from_world, terrain::world_from_box(view.extent));
         if self.ground.is_none() || !in_view(&clip) {
             return Ok(None);
         }

@@ -4,11 +4,13 @@
 use bytemuck::{Pod, Zeroable};
 use glam::{DMat4, DVec3, DVec4, Vec3};
 
+use crate::camera::Camera;
 use crate::gpu::Gpu;
 use crate::heightfield::ConeKind;
 use crate::scene::{CraterMode, DebugView, HeightFilter, Scene, Technique};
 
 use super::beam::Beams;
+use super::cube::corner;
 use super::drape::Drape;
 use super::frame::{
     corner_sampler_entry, sampler_entry, texture_entry, uniform_buffer, uniform_entry, without_subnormals,
@@ -19,6 +21,10 @@ use super::pipelines::{Built, PassDescription};
 /// The drawn box is larger than the terrain's by this share of its longest side, so that the rasteriser's rounding
 /// cuts off no ray that still meets the terrain; rays beside the true box are dropped in the shader.
 const INFLATION: f64 = 1e-3;
+
+/// And by so many pixels: Vulkan lets a rasteriser keep corners to a sixteenth of one, which from afar is more than any
+/// share of the box.
+const INFLATION_PIXELS: f64 = 0.125;
 
 /// Binding of the texture of distances that are given.
 const GIVEN_DISTANCES: u32 = 12;
@@ -366,6 +372,24 @@ pub(super) fn step_cap(cells: [u32; 2]) -> u32 {
 pub(super) fn world_from_box(extent: DVec3) -> DMat4 {
     let margin = DVec3::splat(INFLATION * extent.max_element());
     DMat4::from_translation(-margin) * DMat4::from_scale(extent + 2.0 * margin)
+}
+
+/// The corners of the drawn box, in clip space, in a picture of `size` pixels.
+///
+/// A box that grows by δ along each axis has its outline, seen from anywhere, at least δ farther out: between a face
+/// turned towards the eye and one turned away both normals push the edge the same way. δ grows linearly with the view
+/// depth, so along an edge it stays the same share of a pixel; behind the eye, where only the edge's other part is seen,
+/// its magnitude counts.
+pub(super) fn drawn_box(camera: &Camera, size: [u32; 2], extent: DVec3) -> [DVec4; 8] {
+    let (clip_from_world, forward) = (camera.clip_from_world(size), camera.basis().forward);
+    let pixel = camera.pixel_size(size[1]);
+    std::array::from_fn(|index| {
+        let corner = corner(index);
+        let place = corner * extent;
+        let depth = forward.dot(place - camera.eye).abs();
+        let margin = INFLATION * extent.max_element() + INFLATION_PIXELS * pixel * depth;
+        clip_from_world * (place + (corner * 2.0 - 1.0) * margin).extend(1.0)
+    })
 }
 
 /// Owners of the textures that the pass may read.

@@ -3,8 +3,9 @@
 use std::collections::BTreeMap;
 use std::mem::offset_of;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3, DVec4};
 
+use super::cube::{clip_corners, in_view};
 use super::frame::FrameUniform;
 use super::occluder::CubeUniform;
 use super::pipelines::sources;
@@ -296,4 +297,35 @@ fn beams_hide_nothing() {
     }
     assert!(hits > 300_000, "only {hits} pixels show ground");
     assert!(saved > hits as i64, "beams save only {saved} steps for {hits} hits");
+}
+
+/// A rasteriser may move a corner by a sixteenth of a pixel, from however far the box is seen; what then lies outside of
+/// it is not drawn, though its ray may meet the terrain.
+#[test]
+fn the_drawn_box_is_an_eighth_of_a_pixel_wider_than_the_terrains() {
+    let size = [64, 48];
+    let in_pixels = |corner: &DVec4| DVec2::new(corner.x / corner.w * 32.0, corner.y / corner.w * 24.0);
+    let farthest = |corners: &[DVec4; 8], along: DVec2| {
+        corners.iter().map(|corner| in_pixels(corner).dot(along)).fold(f64::NEG_INFINITY, f64::max)
+    };
+    let mut seen = 0;
+    for index in 0..3000u32 {
+        let number =
+            |stream: u32| f64::from((index * 8 + stream).wrapping_mul(0x9e37_79b1) >> 8) / f64::from(1u32 << 24);
+        let extent = DVec3::new(1.0, 0.01 + number(0), 0.05 + 0.95 * number(1));
+        let away = DVec3::new(number(2) - 0.5, number(3) - 0.5, number(4) - 0.5).normalize_or(DVec3::X);
+        let distance = 2.0 * 10f64.powf(5.0 * number(5));
+        let camera = Camera::look_at(extent * 0.5 + away * distance, extent * 0.5, 1.0 + 99.0 * number(6));
+        let world_from_cube = glam::DMat4::from_scale(extent);
+        let (plain, drawn) =
+            (clip_corners(camera.clip_from_world(size), world_from_cube), terrain::drawn_box(&camera, size, extent));
+        assert!(in_view(&plain) && in_view(&drawn));
+        for angle in 0..64 {
+            let along = DVec2::from_angle(f64::from(angle) * std::f64::consts::TAU / 64.0);
+            let wider = farthest(&drawn, along) - farthest(&plain, along);
+            assert!(wider >= 0.125, "{wider} pixels at {along}, {camera:?}, {extent}");
+            seen += 1;
+        }
+    }
+    assert_eq!(seen, 3000 * 64);
 }

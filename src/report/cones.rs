@@ -38,7 +38,8 @@ pub(super) fn find(field: &HeightField, kind: ConeKind, budget_s: f64, watcher: 
         watcher.tell(share);
         let elapsed = began.elapsed().as_secs_f64();
         let whole = elapsed / f64::from(share.max(f32::MIN_POSITIVE));
-        if elapsed > judged_s && whole > budget_s {
+        // What is found is not thrown away for being late.
+        if share < 1.0 && elapsed > judged_s && whole > budget_s {
             given_up.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(whole);
             return ControlFlow::Break(());
         }

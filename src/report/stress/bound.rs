@@ -20,16 +20,17 @@
 //!    less than u·S more; the error of that parameter itself moves the point along the ray only. Up: the product and two
 //!    sums u·t·a + 2u·S.
 //! 5. **The patch.** Four corners times the box's rounded height, 2u·h, and two rounds of `mix`, 6u·h, with h the highest
-//!    of the corners; the difference to the ray, u·h. Coefficients a, b, k are differences of corners: with r the relief of
+//!    of the corners; the difference to the ray, u·h. Where 16 bits hold the corners, a sampler makes floats of them by a
+//!    rounded reciprocal of 65535, 2u·h, and the map's own samples, which the reference reads, are rounded, too: u·h. Coefficients a, b, k are differences of corners: with r the relief of
 //!    the cell they are off by at most u·r, 2u·r and 5u·r, and the products and sums of `linear` by 5u·(|B·t|), at most
 //!    30u·r over the cell. The discriminant's rounding is that of a C off by 4u·C, which is at most 4u·r above the ground
 //!    that is to be met, and of a B off by 2u·B. The root is taken in the form without cancellation: 3u of t, along the
-//!    ray. Together **9u·h + 45u·r** up.
+//!    ray. Together **12u·h + 45u·r** up.
 //! 6. **Along the ray** (`terrain.wgsl`): with the parameter at which the ray enters the box, that of the node and the root
 //!    two sums, and 3u of the root: 6u·t, times the direction's length **6u·l** for a hit l world units beyond the ray's
 //!    origin.
 //!
-//! The sum: across, 4u·A + 7u·t·a + 4u·S; up, 4u·A + 8u·t·a + 4u·S + 9u·h + 45u·r; along, 6u·l. The reference is f64, whose
+//! The sum: across, 4u·A + 7u·t·a + 4u·S; up, 4u·A + 8u·t·a + 4u·S + 12u·h + 45u·r; along, 6u·l. The reference is f64, whose
 //! rounding counts from the eye: 16 · 2⁻⁵³ · (|eye| + d) each way. It matters from 10⁸ box lengths on.
 //!
 //! None of these grows with the number of cells, and none with the eye's distance. What does is the *distance* that a
@@ -133,7 +134,7 @@ impl Tolerance {
         let length = camera.ray(f64::from(pixel[0]) + 0.5, f64::from(pixel[1]) + 0.5, size).direction.length();
         let origin = (camera.eye + basis.forward * start).abs() + beside * start;
         let direction = (basis.forward.abs() + beside) * (distance / length - start).abs();
-        let patch = DVec3::Y * (9.0 * ground.highest + 45.0 * ground.relief);
+        let patch = DVec3::Y * (12.0 * ground.highest + 45.0 * ground.relief);
         let counted = origin * 4.0 + direction * DVec3::new(7.0, 8.0, 7.0) + extent * 4.0 + patch;
         let reference = ROUNDING_OF_REFERENCE * (camera.eye.abs().max_element() + distance);
         let beyond = (distance - start * length).abs();

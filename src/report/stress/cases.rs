@@ -167,7 +167,7 @@ fn usual_views(quick: bool) -> &'static [View] {
 }
 
 fn extreme_views(quick: bool) -> &'static [View] {
-    const VIEWS: [View; 32] = [
+    const VIEWS: [View; 33] = [
         View::Axis(0.0),
         View::BesideAxis(0.0),
         View::AlongSide(0.0),
@@ -182,6 +182,7 @@ fn extreme_views(quick: bool) -> &'static [View] {
         View::OnASide,
         View::OnAnEdge,
         View::OnACorner,
+        View::Small(8.0),
         View::Far(1e3),
         View::Far(1e6),
         View::Far(1e9),
@@ -202,7 +203,7 @@ fn extreme_views(quick: bool) -> &'static [View] {
         View::FarBeside(1e3),
     ];
     // One of each kind is at the front.
-    if quick { &VIEWS[..22] } else { &VIEWS }
+    if quick { &VIEWS[..23] } else { &VIEWS }
 }
 
 /// Pictures of extreme sizes, and large maps.

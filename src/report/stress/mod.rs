@@ -368,6 +368,15 @@ impl Stage<'_> {
     }
 }
 
+/// Judges a picture of the exact technique by the [bound]: the `probe` of `field` in a box of the size `extent`, seen by
+/// `camera`.
+pub fn judge(field: &HeightField, extent: DVec3, camera: &Camera, probe: &Probe) -> Judgement {
+    let cells = field.cells();
+    let cell = (extent.x / f64::from(cells[0])).min(extent.z / f64::from(cells[1]));
+    let stage = Stage { field, extent, camera: *camera, size: probe.size, cell };
+    stage.judge(&stage.reference(1), probe, 1)
+}
+
 /// How a judgement breaks the promise.
 fn complaints(judgement: &Judgement, cap_hits: u32, excusable: u64) -> Vec<String> {
     let Judgement { missed, invented, astray, tangent, nan, ratio, .. } = *judgement;

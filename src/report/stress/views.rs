@@ -43,6 +43,8 @@ pub(super) enum View {
     OnACorner,
     /// So many box lengths away; the box fills the picture.
     Far(f64),
+    /// So many box lengths away, with the usual field of view: the box is a few pixels, and most of them are its outline.
+    Small(f64),
     /// So far away, looking past the box: it stands at the border of the picture.
     FarBeside(f64),
     /// A ten-thousandth of a cell above the ground.
@@ -76,6 +78,7 @@ impl View {
             Self::OnAnEdge => "eye-on-edge".into(),
             Self::OnACorner => "eye-on-corner".into(),
             Self::Far(distance) => format!("far-{distance:e}"),
+            Self::Small(distance) => format!("small-{distance}"),
             Self::FarBeside(distance) => format!("far-{distance:e}-beside"),
             Self::Skim => "skim".into(),
             Self::Field(degrees) => format!("fov-{degrees}"),
@@ -142,6 +145,10 @@ impl View {
                 let eye = middle + DVec3::new(0.3, 0.4, 1.0).normalize() * distance;
                 // Half the diagonal of the box, with a little air.
                 Camera::look_at(eye, middle, 2.0 * (0.55 * extent.length() / distance).atan().to_degrees())
+            }
+            Self::Small(distance) => {
+                let eye = middle + DVec3::new(0.3, 0.4, 1.0).normalize() * distance;
+                Camera::look_at(eye, middle, fov)
             }
             Self::FarBeside(distance) => {
                 let eye = middle + DVec3::new(0.3, 0.4, 1.0).normalize() * distance;
