@@ -27,7 +27,7 @@ impl Viewer {
                 let target = Target::new(&graphics.gpu, graphics.target.size());
                 self.tradeoff.start(&self.scene, target);
             }
-            Command::ForgetTradeoff => self.tradeoff.forget(),
+            Command::ForgetTradeoff => self.forget_tradeoff(),
             Command::Screenshot => self.wants_screenshot = true,
             Command::FullScreen => {
                 let full = self.window.fullscreen().is_none().then_some(Fullscreen::Borderless(None));

@@ -22,21 +22,38 @@ impl Viewer {
     /// A frame of the measurement of the techniques.
     pub(super) fn measure_tradeoff(&mut self, graphics: &mut Graphics) -> Result<(), FrameError> {
         self.redraw.invalidate();
-        match self.tradeoff.step(&mut graphics.renderer, &self.map) {
+        let stepped = self.tradeoff.step(&mut graphics.renderer, &self.map);
+        // It has waited for all frames.
+        self.meter.nothing_in_flight();
+        match stepped {
             Ok(()) => {
-                if self.tradeoff.progress().is_none() && self.scene.debug.view == DebugView::Error {
-                    // Other frames have taken the reference away.
-                    self.reference.forget();
-                    self.drawn = None;
+                if self.tradeoff.progress().is_none() {
+                    self.restore_reference();
                 }
                 Ok(())
             }
             Err(RenderError::DeviceLost(lost)) => Err(FrameError::Lost(lost)),
             Err(error) => {
-                self.tradeoff.forget();
+                self.forget_tradeoff();
                 self.toasts.error(&format!("The techniques cannot be measured: {error}"));
                 Ok(())
             }
+        }
+    }
+
+    /// Forgets what was measured of the techniques, and ends what is under way.
+    pub(super) fn forget_tradeoff(&mut self) {
+        if self.tradeoff.progress().is_some() {
+            self.restore_reference();
+        }
+        self.tradeoff.forget();
+    }
+
+    /// After a measurement: its frames have taken the reference of the picture away.
+    fn restore_reference(&mut self) {
+        if self.scene.debug.view == DebugView::Error {
+            self.reference.forget();
+            self.drawn = None;
         }
     }
 

@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 use winit::event_loop::ActiveEventLoop;
 
 use super::graphics::{Graphics, Shown, Ui};
+use super::measure::Subject;
 use super::settings::Command;
 use super::status::widgets;
 use super::viewer::{Viewer, visible_part};
@@ -177,15 +178,15 @@ impl Viewer {
         }
         self.free = ui.available_rect_before_wrap();
         let ctx = ui.ctx().clone();
+        let mut boxes = Vec::new();
         if self.view.overlay {
-            overlay::statistics(ui, &self.meter.times, self.steps(), &self.facts.ledger, timestamps);
+            boxes.push(overlay::statistics(ui, &self.meter.times, self.steps(), &self.facts.ledger, timestamps));
         }
-        let names = [drawable.march.technique, drawable.compare.technique];
-        overlay::split(ui, &self.scene, names, self.pointer.splitting);
         match self.scene.debug.view {
-            DebugView::Steps => overlay::legend(&ctx, self.free, self.scene.debug.heat_map_max),
+            DebugView::Steps => boxes.push(overlay::legend(&ctx, self.free, self.scene.debug.heat_map_max)),
             DebugView::Error => {
-                overlay::error_legend(&ctx, self.free, self.shows_reference, self.awaits_reference());
+                let (reference, awaited) = (self.shows_reference, self.awaits_reference());
+                boxes.push(overlay::error_legend(&ctx, self.free, reference, awaited));
             }
             _ => {}
         }
@@ -195,18 +196,27 @@ impl Viewer {
         if self.view.help {
             overlay::help(&ctx, self.free, &mut self.view.help);
         }
-        if let Some(path) = self.loader.path() {
-            let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
-            overlay::hint(&ctx, self.free, &format!("Opening {name} …"), true);
-        } else if !self.prepared {
-            overlay::hint(&ctx, self.free, "Preparing the first picture …", true);
-        } else if let Some((text, _)) = &self.hint {
-            overlay::hint(&ctx, self.free, text, false);
-        } else if let Some(text) = self.cones_in_words(drawable) {
-            overlay::hint(&ctx, self.free, &text, true);
-            self.redraw.wake_at(now + CONES_PAUSE);
-        }
+        boxes.extend(self.bottom_line(&ctx, drawable, now));
+        let names = [drawable.march.technique, drawable.compare.technique];
+        overlay::split(ui, &self.scene, names, self.pointer.splitting, &boxes);
         self.toasts.show(&ctx, now);
+    }
+
+    /// The line at the bottom of the picture, where there is something to say.
+    fn bottom_line(&mut self, ctx: &egui::Context, drawable: &Scene, now: Instant) -> Option<egui::Rect> {
+        let (text, working) = if let Some(path) = self.loader.path() {
+            let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+            (format!("Opening {name} …"), true)
+        } else if !self.prepared {
+            ("Preparing the first picture …".to_owned(), true)
+        } else if let Some((text, _)) = &self.hint {
+            (text.clone(), false)
+        } else {
+            let text = self.cones_in_words(drawable)?;
+            self.redraw.wake_at(now + CONES_PAUSE);
+            (text, true)
+        };
+        Some(overlay::hint(ctx, self.free, &text, working))
     }
 
     /// Draws the scene, if the kept picture does not show it.
@@ -231,10 +241,11 @@ impl Viewer {
                     // The legend on screen says the other.
                     self.redraw.invalidate();
                 }
-                self.drawn = Some(visible);
                 self.last_good = Some(self.scene.clone());
                 self.occluder_seen = graphics.renderer.ledger().passes.iter().any(|pass| pass == "occluder");
-                self.meter.scene_was_drawn(now);
+                let subject = Subject::of(&visible, graphics.renderer.ledger(), graphics.target.size());
+                self.meter.scene_was_drawn(subject, now);
+                self.drawn = Some(visible);
                 // A new crater's rim may have risen over the eye.
                 self.settle_eye(graphics);
                 Ok(())

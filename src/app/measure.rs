@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
 use super::redraw::Next;
-use crate::render::{RenderError, Renderer};
+use crate::render::{Ledger, RenderError, Renderer};
 use crate::scene::Scene;
 
 /// Frames that the graph and the numbers look back on.
@@ -50,11 +50,37 @@ impl FrameTimes {
     }
 }
 
+/// What a frame's time is the time of: all that it depends on but the eye and the cube's turning.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Subject {
+    scene: Scene,
+    passes: Vec<String>,
+    defs: Vec<String>,
+    size: [u32; 2],
+}
+
+impl Subject {
+    /// Of a picture of `scene` of `size` pixels that was just drawn, with `ledger`.
+    pub(crate) fn of(scene: &Scene, ledger: &Ledger, size: [u32; 2]) -> Self {
+        let mut scene = scene.clone();
+        scene.camera = None;
+        scene.occluder.rotation = Default::default();
+        // What shows the picture is not timed.
+        let is_timed = |pass: &&String| !["present", "egui"].contains(&pass.as_str());
+        let passes = ledger.passes.iter().filter(is_timed).cloned().collect();
+        Self { scene, passes, defs: ledger.shader_defs.clone(), size }
+    }
+}
+
 /// Gathers what frames cost.
 #[derive(Debug, Default)]
 pub(crate) struct Meter {
-    /// Times of the last frames.
+    /// Times of the last frames, all of the same subject.
     pub(crate) times: FrameTimes,
+    subject: Subject,
+    /// Frames whose times have not arrived; the times of the first `foreign` of them are those of another subject.
+    in_flight: usize,
+    foreign: usize,
     /// Steps of the last measurement.
     pub(crate) steps: Option<Steps>,
     /// Since when a frame's time is awaited.
@@ -65,8 +91,19 @@ pub(crate) struct Meter {
 }
 
 impl Meter {
-    /// Notes that a picture was drawn.
-    pub(crate) fn scene_was_drawn(&mut self, now: Instant) {
+    /// Forgets the times there are, and those on their way.
+    pub(crate) fn forget_times(&mut self) {
+        self.times = FrameTimes::default();
+        self.foreign = self.in_flight;
+    }
+
+    /// Notes that a picture of `subject` was drawn. The times of another are forgotten.
+    pub(crate) fn scene_was_drawn(&mut self, subject: Subject, now: Instant) {
+        if subject != self.subject {
+            self.forget_times();
+            self.subject = subject;
+        }
+        self.in_flight += 1;
         self.awaited = Some(now);
         self.steps_stale = true;
     }
@@ -87,12 +124,24 @@ impl Meter {
         let Some(since) = self.awaited else { return false };
         let mut arrived = false;
         while let Some(ms) = take() {
-            self.times.push(ms);
-            arrived = true;
+            self.in_flight = self.in_flight.saturating_sub(1);
+            if self.foreign > 0 {
+                self.foreign -= 1;
+            } else {
+                self.times.push(ms);
+                arrived = true;
+            }
         }
-        let over = arrived || now.saturating_duration_since(since) > TIME_PATIENCE;
-        self.awaited = self.awaited.filter(|_| !over);
-        over
+        let given_up = now.saturating_duration_since(since) > TIME_PATIENCE;
+        if self.in_flight == 0 || given_up {
+            self.nothing_in_flight();
+        }
+        arrived || given_up
+    }
+
+    /// No time is on its way any more: somebody else has taken them, or they never come.
+    pub(crate) fn nothing_in_flight(&mut self) {
+        (self.awaited, self.in_flight, self.foreign) = (None, 0, 0);
     }
 
     /// Measures steps per ray of `scene` on a quarter of a picture of `size`, if they are due. True when they were.
@@ -134,16 +183,41 @@ mod tests {
         let mut meter = Meter::default();
         let now = Instant::now();
         assert_eq!(meter.next(now, true), Next::Never);
-        meter.scene_was_drawn(now);
+        meter.scene_was_drawn(Subject::default(), now);
+        meter.scene_was_drawn(Subject::default(), now);
         assert_eq!(meter.next(now, false), Next::At(now + TIME_POLL));
         assert!(!meter.collect_times(|| None, now), "not there yet");
-        let mut arriving = vec![4.0, 3.0];
-        assert!(meter.collect_times(|| arriving.pop(), now));
+        for ms in [3.0, 4.0] {
+            assert_eq!(meter.next(now, false), Next::At(now + TIME_POLL));
+            let mut arriving = Some(ms);
+            assert!(meter.collect_times(|| arriving.take(), now));
+        }
         assert_eq!(meter.times.newest_first().collect::<Vec<_>>(), [4.0, 3.0]);
         assert_eq!(meter.next(now, false), Next::Never);
         assert_eq!(meter.next(now, true), Next::At(now), "steps were not measured yet");
-        meter.scene_was_drawn(now);
+        meter.scene_was_drawn(Subject::default(), now);
         assert!(meter.collect_times(|| None, now + 2 * TIME_PATIENCE), "a time that never comes is given up");
         assert_eq!(meter.next(now, false), Next::Never);
+    }
+
+    /// The numbers are those of the picture on screen, and flying does not clear them.
+    #[test]
+    fn times_of_another_picture_are_forgotten_also_those_on_their_way() {
+        let mut scene = Scene::default();
+        let subject = |scene: &Scene| Subject::of(scene, &Ledger::default(), [64, 48]);
+        let (mut meter, now) = (Meter::default(), Instant::now());
+        meter.scene_was_drawn(subject(&scene), now);
+        meter.collect_times(|| None, now);
+        scene.march.technique = crate::scene::Technique::Linear;
+        meter.scene_was_drawn(subject(&scene), now);
+        let mut arriving = vec![5.0, 90.0];
+        assert!(meter.collect_times(|| arriving.pop(), now));
+        assert_eq!(meter.times.newest_first().collect::<Vec<_>>(), [5.0], "90 ms are the other technique's");
+        scene.camera = Some(crate::camera::Camera { eye: glam::DVec3::ONE, yaw: 1.0, pitch: 2.0, fov: 50.0 });
+        scene.occluder.rotation.x += 1.0;
+        meter.scene_was_drawn(subject(&scene), now);
+        assert_eq!(meter.times.quantile(0.5), Some(5.0));
+        meter.scene_was_drawn(Subject::of(&scene, &Ledger::default(), [640, 480]), now);
+        assert_eq!(meter.times.quantile(0.5), None, "a picture of another size");
     }
 }

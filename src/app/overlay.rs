@@ -2,8 +2,8 @@
 //! and hints.
 
 use egui::{
-    Align2, Area, Color32, Context, Frame, Grid, Id, Mesh, Order, Pos2, Rect, RichText, ScrollArea, Sense, Shape,
-    Stroke, TextWrapMode, Ui, pos2, vec2,
+    Align2, Area, Color32, Context, Frame, Grid, Id, Mesh, Order, Pos2, Rangef, Rect, RichText, ScrollArea, Sense,
+    Shape, Stroke, StrokeKind, TextWrapMode, Ui, Vec2, pos2, vec2,
 };
 
 use super::controls::BINDINGS;
@@ -20,8 +20,11 @@ const ABOVE_LEGEND: f32 = 84.0;
 /// Distance of the compared techniques' names from the top, so that the statistics fit above them. Points.
 const BELOW_STATISTICS: f32 = 144.0;
 
-/// Frame times, steps and the ledger in short, in the upper left corner of the picture beside the panel.
-pub(crate) fn statistics(ui: &Ui, times: &FrameTimes, steps: Option<Steps>, ledger: &Ledger, timestamps: bool) {
+/// Widest a legend's scale is, points; a narrow window has less room.
+const WIDEST_SCALE: f32 = 440.0;
+
+/// Frame times, steps and the ledger in short, in the upper left corner of the picture beside the panel. Where the box is.
+pub(crate) fn statistics(ui: &Ui, times: &FrameTimes, steps: Option<Steps>, ledger: &Ledger, timestamps: bool) -> Rect {
     let corner = ui.available_rect_before_wrap().left_top() + vec2(MARGIN, MARGIN);
     boxed(ui.ctx(), "statistics", (Align2::LEFT_TOP, corner), |ui| {
         let clock = if timestamps { "GPU" } else { "Frame" };
@@ -37,7 +40,7 @@ pub(crate) fn statistics(ui: &Ui, times: &FrameTimes, steps: Option<Steps>, ledg
         ui.monospace(ledger.passes.join(" → "));
         let (textures, size) = (ledger.textures.len(), bytes(ledger.texture_bytes));
         ui.monospace(format!("{} draws, {textures} textures, {size}", ledger.draws));
-    });
+    })
 }
 
 /// The times as bars, the newest on the right, scaled to the slowest.
@@ -54,8 +57,9 @@ fn graph(ui: &mut Ui, times: &FrameTimes) {
     }
 }
 
-/// What the colours of the heat map mean, in the lower left corner beside the panel: messages use the right one.
-pub(crate) fn legend(ctx: &Context, free: Rect, maximum: u32) {
+/// What the colours of the heat map mean, in the lower left corner beside the panel: messages use the right one. Where the
+/// box is.
+pub(crate) fn legend(ctx: &Context, free: Rect, maximum: u32) -> Rect {
     boxed(ctx, "legend", (Align2::LEFT_BOTTOM, free.left_bottom() + vec2(MARGIN, -MARGIN)), |ui| {
         ui.label("Steps per ray");
         let (response, painter) = ui.allocate_painter(vec2(320.0, 14.0), Sense::hover());
@@ -70,12 +74,12 @@ pub(crate) fn legend(ctx: &Context, free: Rect, maximum: u32) {
                 });
             });
         });
-    });
+    })
 }
 
 /// What the colours of the error view mean, and what the errors are against: `reference`, the one in f64, or the exact
-/// technique, while the reference is `awaited` or for good.
-pub(crate) fn error_legend(ctx: &Context, free: Rect, reference: bool, awaited: bool) {
+/// technique, while the reference is `awaited` or for good. Where the box is.
+pub(crate) fn error_legend(ctx: &Context, free: Rect, reference: bool, awaited: bool) -> Rect {
     boxed(ctx, "legend", (Align2::LEFT_BOTTOM, free.left_bottom() + vec2(MARGIN, -MARGIN)), |ui| {
         let against = match (reference, awaited) {
             (true, _) => "against the f64 reference",
@@ -83,29 +87,44 @@ pub(crate) fn error_legend(ctx: &Context, free: Rect, reference: bool, awaited: 
             (false, false) => "against max-mipmap",
         };
         ui.label(format!("Distance error in cells, {against}"));
-        let (response, painter) = ui.allocate_painter(vec2(320.0, 14.0), Sense::hover());
+        let width = (free.width() - 4.0 * MARGIN).clamp(160.0, WIDEST_SCALE);
+        let (response, painter) = ui.allocate_painter(vec2(width, 14.0), Sense::hover());
         painter.add(gradient(response.rect));
-        let [low, high] = ERROR_DECADES;
-        let font = egui::TextStyle::Body.resolve(ui.style());
-        let (row, painter) = ui.allocate_painter(vec2(320.0, 18.0), Sense::hover());
-        for decade in low..=high {
-            let share = (decade - low) as f32 / (high - low) as f32;
-            let align = [Align2::LEFT_TOP, Align2::CENTER_TOP, Align2::RIGHT_TOP]
-                [(decade > low) as usize + (decade == high) as usize];
-            let place = pos2(row.rect.left() + share * row.rect.width(), row.rect.top());
-            let text = format!("{}", 10f64.powi(decade));
-            painter.text(place, align, text, font.clone(), ui.visuals().text_color());
-        }
+        decades(ui, width);
         ui.horizontal(|ui| {
             for (colour, meaning) in [(SEE_THROUGH, "sees through"), (COVERS_SKY, "covers the sky"), (SKY_BOTH, "sky")]
             {
                 let (response, painter) = ui.allocate_painter(vec2(12.0, 12.0), Sense::hover());
                 let [red, green, blue] = colour;
-                painter.rect_filled(response.rect, 2.0, Color32::from_rgb(red, green, blue));
+                // Dark grey on a dark box shows by its outline.
+                let outline = Stroke::new(1.0, Color32::from_gray(150));
+                painter.rect(response.rect, 2.0, Color32::from_rgb(red, green, blue), outline, StrokeKind::Inside);
                 ui.label(meaning);
             }
         });
-    });
+    })
+}
+
+/// Numbers below the scale of errors: its ends, and the decades between as far as they do not crowd each other.
+fn decades(ui: &mut Ui, width: f32) {
+    let [low, high] = ERROR_DECADES;
+    let (font, colour) = (egui::TextStyle::Body.resolve(ui.style()), ui.visuals().text_color());
+    let (row, painter) = ui.allocate_painter(vec2(width, 18.0), Sense::hover());
+    let mut taken: Vec<Rect> = Vec::new();
+    for decade in [low, high].into_iter().chain(low + 1..high) {
+        let share = (decade - low) as f32 / (high - low) as f32;
+        let (align, more) = match decade {
+            _ if decade == low => (Align2::LEFT_TOP, ""),
+            _ if decade == high => (Align2::RIGHT_TOP, " or more"),
+            _ => (Align2::CENTER_TOP, ""),
+        };
+        let text = painter.layout_no_wrap(format!("{}{more}", 10f64.powi(decade)), font.clone(), colour);
+        let place = align.anchor_size(pos2(row.rect.left() + share * width, row.rect.top()), text.size());
+        if taken.iter().all(|other| !other.expand2(vec2(10.0, 0.0)).intersects(place)) {
+            taken.push(place);
+            painter.galley(place.min, text, colour);
+        }
+    }
 }
 
 /// How far from the split line it can be taken hold of, points.
@@ -117,9 +136,10 @@ pub(crate) fn is_split(scene: &Scene) -> bool {
 }
 
 /// The line between two techniques, with the name of each that draws on its side. `ui` is what the panel leaves free; the picture
-/// fills the window. The mouse that drags the line is handled where it moves, because egui would miss a drag that leaves
-/// the line before the next frame.
-pub(crate) fn split(ui: &Ui, scene: &Scene, [left, right]: [Technique; 2], dragged: bool) {
+/// fills the window. The line leaves out `boxes`: they let what is below them shine through, and it would cross their text.
+/// The mouse that drags the line is handled where it moves, because egui would miss a drag that leaves the line before
+/// the next frame.
+pub(crate) fn split(ui: &Ui, scene: &Scene, [left, right]: [Technique; 2], dragged: bool, boxes: &[Rect]) {
     if !is_split(scene) {
         return;
     }
@@ -134,7 +154,9 @@ pub(crate) fn split(ui: &Ui, scene: &Scene, [left, right]: [Technique; 2], dragg
     }
     let painter = ui.painter();
     for (width, colour) in [(3.0, Color32::from_black_alpha(140)), (1.0, Color32::WHITE)] {
-        painter.vline(x, free.y_range(), Stroke::new(width, colour));
+        for piece in uncovered(x, free.y_range(), boxes) {
+            painter.vline(x, piece, Stroke::new(width, colour));
+        }
     }
     let names = [(left, Align2::RIGHT_TOP, -8.0), (right, Align2::LEFT_TOP, 8.0)];
     for (technique, align, beside) in names {
@@ -144,6 +166,21 @@ pub(crate) fn split(ui: &Ui, scene: &Scene, [left, right]: [Technique; 2], dragg
         painter.rect_filled(place.expand2(vec2(5.0, 3.0)), 3.0, Color32::from_black_alpha(170));
         painter.galley(place.min, text, colour);
     }
+}
+
+/// The pieces of a vertical line at `x` that lie in none of `boxes`, from top to bottom.
+fn uncovered(x: f32, line: Rangef, boxes: &[Rect]) -> Vec<Rangef> {
+    let mut covers: Vec<Rangef> = boxes.iter().filter(|cover| cover.x_range().contains(x)).map(Rect::y_range).collect();
+    covers.sort_by(|a, b| a.min.total_cmp(&b.min));
+    let mut pieces = Vec::new();
+    let mut top = line.min;
+    for cover in covers {
+        pieces.push(Rangef::new(top, cover.min.min(line.max)));
+        top = top.max(cover.max);
+    }
+    pieces.push(Rangef::new(top, line.max));
+    pieces.retain(|piece| piece.min < piece.max);
+    pieces
 }
 
 /// The steps at a place of the legend.
@@ -182,8 +219,8 @@ pub(crate) fn crosshair(ctx: &Context) {
     }
 }
 
-/// A line at the bottom: the speed after a turn of the wheel, or what is being waited for.
-pub(crate) fn hint(ctx: &Context, free: Rect, text: &str, working: bool) {
+/// A line at the bottom: the speed after a turn of the wheel, or what is being waited for. Where its box is.
+pub(crate) fn hint(ctx: &Context, free: Rect, text: &str, working: bool) -> Rect {
     boxed(ctx, "hint", (Align2::CENTER_BOTTOM, free.center_bottom() - vec2(0.0, ABOVE_LEGEND)), |ui| {
         ui.horizontal(|ui| {
             if working {
@@ -191,16 +228,18 @@ pub(crate) fn hint(ctx: &Context, free: Rect, text: &str, working: bool) {
             }
             ui.label(RichText::new(text).size(16.0));
         });
-    });
+    })
 }
 
 /// The keys, in the middle of the part that the panel leaves free.
 pub(crate) fn help(ctx: &Context, free: Rect, open: &mut bool) {
-    let window = egui::Window::new("Help").open(open).collapsible(false).resizable(false);
-    window.pivot(Align2::CENTER_CENTER).default_pos(free.center()).show(ctx, |ui| {
-        // In a small window the rest is scrolled to.
-        let room = ctx.content_rect().size() - vec2(40.0, 70.0);
-        ScrollArea::both().max_width(room.x.max(0.0)).max_height(room.y.max(0.0)).show(ui, |ui| {
+    // Offered the whole screen at any time, it takes what its contents need: egui's own offer is 340 points wide, and
+    // remembered when the screen grows. In a small one the rest is scrolled to.
+    let room = (ctx.content_rect().size() - vec2(40.0, 70.0)).max(Vec2::ZERO);
+    let window = egui::Window::new("Help").id(Id::unique("help")).open(open).collapsible(false).auto_sized();
+    let window = window.min_size(room).max_size(room).pivot(Align2::CENTER_CENTER).default_pos(free.center());
+    window.show(ctx, |ui| {
+        ScrollArea::both().max_width(room.x).max_height(room.y).show(ui, |ui| {
             ui.style_mut().wrap_mode = Some(TextWrapMode::Extend);
             Grid::new("bindings").num_columns(2).striped(true).show(ui, |ui| {
                 for (keys, meaning) in BINDINGS {
@@ -213,10 +252,10 @@ pub(crate) fn help(ctx: &Context, free: Rect, open: &mut bool) {
     });
 }
 
-/// A dark box over the picture that takes no clicks. `corner` of the box lies at the position, in points.
-fn boxed(ctx: &Context, name: &str, (corner, position): (Align2, Pos2), contents: impl FnOnce(&mut Ui)) {
+/// A dark box over the picture that takes no clicks. `corner` of the box lies at the position, in points. Where it is.
+fn boxed(ctx: &Context, name: &str, (corner, position): (Align2, Pos2), contents: impl FnOnce(&mut Ui)) -> Rect {
     let area = Area::new(Id::unique(name)).interactable(false).order(Order::Middle);
-    area.pivot(corner).fixed_pos(position).show(ctx, |ui| {
+    let shown = area.pivot(corner).fixed_pos(position).show(ctx, |ui| {
         let frame = Frame::popup(ui.style()).fill(Color32::from_black_alpha(170));
         frame.show(ui, |ui| {
             ui.style_mut().wrap_mode = Some(TextWrapMode::Extend);
@@ -224,6 +263,7 @@ fn boxed(ctx: &Context, name: &str, (corner, position): (Align2, Pos2), contents
             contents(ui);
         });
     });
+    shown.response.rect
 }
 
 /// A number of bytes for people.
@@ -255,6 +295,42 @@ mod tests {
         assert_eq!(ends, expected);
         assert_eq!(legend_number(64, 0.5), "32");
         assert_eq!(legend_number(7, 0.5), "3.5");
+    }
+
+    /// Statistics stay readable with the line behind them.
+    #[test]
+    fn the_split_line_leaves_out_the_boxes_in_its_way() {
+        let at = |left: f32, top: f32, bottom: f32| Rect::from_min_max(pos2(left, top), pos2(left + 50.0, bottom));
+        let boxes = [at(80.0, 60.0, 90.0), at(60.0, -5.0, 20.0), at(200.0, 30.0, 40.0), at(90.0, 70.0, 80.0)];
+        let pieces = uncovered(100.0, Rangef::new(0.0, 100.0), &boxes);
+        assert_eq!(pieces, [Rangef::new(20.0, 60.0), Rangef::new(90.0, 100.0)]);
+        assert_eq!(uncovered(0.0, Rangef::new(0.0, 100.0), &boxes), [Rangef::new(0.0, 100.0)]);
+    }
+
+    /// The help's rectangle after it has been open in screens of these sizes, one after the other.
+    fn help_in(screens: &[[f32; 2]]) -> Rect {
+        let ctx = Context::default();
+        let mut open = true;
+        for pass in 0..10 * screens.len() {
+            let [width, height] = screens[pass / 10];
+            let screen = Rect::from_min_size(Pos2::ZERO, vec2(width, height));
+            let time = Some(pass as f64);
+            let input = egui::RawInput { screen_rect: Some(screen), time, ..Default::default() };
+            ctx.run_ui(input, |ui| help(ui.ctx(), screen, &mut open)).drop_without_applying_deltas();
+        }
+        ctx.memory(|memory| memory.area_rect(Id::unique("help"))).expect("the help is open")
+    }
+
+    #[test]
+    fn the_help_is_whole_where_there_is_room_and_scrolls_where_there_is_none() {
+        let whole = help_in(&[[4000.0, 3000.0]]);
+        assert!(whole.width() > 500.0 && whole.height() > 400.0, "{whole}");
+        assert_eq!(help_in(&[[1280.0, 800.0]]).size(), whole.size());
+        assert_eq!(help_in(&[[420.0, 300.0], [1280.0, 800.0]]).size(), whole.size(), "it follows a growing window");
+        for screens in [&[[420.0, 300.0]][..], &[[1280.0, 800.0], [420.0, 300.0]]] {
+            let small = help_in(screens);
+            assert!(Rect::from_min_size(Pos2::ZERO, vec2(420.0, 300.0)).contains_rect(small), "{small}");
+        }
     }
 
     #[test]

@@ -49,9 +49,9 @@ impl Toasts {
         self.add_passing(message, ToastLevel::Warning, now);
     }
 
-    /// Tells that something failed.
+    /// Tells that something failed. It stays on screen until it is dismissed, so the terminal need not repeat it.
     pub(crate) fn error(&mut self, message: &str) {
-        log::error!("{message}");
+        log::debug!("{message}");
         self.remember(message);
         let level = ToastLevel::Custom("⚠".into(), Color32::from_rgb(230, 90, 80));
         self.staying.add(toast(message, level));

@@ -1,12 +1,16 @@
 //! Error against time of the techniques, for the view on screen: measured a frame at a time, so that the window goes on
 //! between them.
 
+use std::time::Instant;
+
+use super::viewer::visible_part;
 use crate::gpu::Target;
 use crate::heightfield::{ConeKind, HeightField};
 use crate::render::{ConeGround, RenderError, Renderer};
-use crate::scene::{DebugView, Scene, Technique};
+use crate::scene::{DebugSettings, DebugView, MarchSettings, Scene, Technique};
 
-/// Most uniform samples of the settings of a sampling technique; the fewest are a quarter of them, as in the study.
+/// Most samples of the settings of a technique that counts them, be it uniform ones or steps along cones; the fewest are a
+/// quarter of them, as in the study.
 const SAMPLES: [u32; 4] = [32, 128, 512, 2048];
 
 /// Frames of each setting that are timed, after one that is not: a driver compiles shaders in the first.
@@ -16,7 +20,7 @@ const ROUNDS: usize = 5;
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Setting {
     pub(crate) technique: Technique,
-    /// Most uniform samples, for a technique that takes them.
+    /// Most samples, for a technique that counts them.
     pub(crate) samples: Option<u32>,
     /// Distance error against the exact technique that 99% of the pixels do not exceed, cells.
     pub(crate) error: Option<f64>,
@@ -30,6 +34,12 @@ impl Setting {
         let mut sorted = self.times.clone();
         sorted.sort_by(f64::total_cmp);
         sorted.get(sorted.len().saturating_sub(1) / 2).copied()
+    }
+
+    /// The setting in words.
+    fn words(&self) -> String {
+        let name = self.technique.name();
+        self.samples.map_or_else(|| name.to_owned(), |samples| format!("{name}, {samples} samples"))
     }
 
     fn apply(&self, scene: &mut Scene) {
@@ -46,6 +56,19 @@ struct Run {
     target: Target,
     exact: Vec<f32>,
     done: usize,
+    /// When each step ended; the first is the begin of the first step.
+    ends: Vec<Instant>,
+}
+
+impl Run {
+    /// Seconds that the other `steps` take, once every one of `settings` has had its turn or some have, to go by. Their
+    /// order repeats, so the steps of the last round say what those of the next ones take.
+    fn seconds_left(&self, steps: usize, settings: usize) -> Option<f64> {
+        let lengths: Vec<f64> = self.ends.windows(2).map(|pair| (pair[1] - pair[0]).as_secs_f64()).collect();
+        let round = lengths.len().min(settings);
+        let mean = lengths.get(lengths.len() - round..)?.iter().sum::<f64>() / round as f64;
+        (round >= SAMPLES.len()).then(|| mean * steps.saturating_sub(self.done) as f64)
+    }
 }
 
 /// The measurement of a view: under way, or the last one.
@@ -64,7 +87,7 @@ impl Tradeoff {
         // What every technique pays the same would only hide the differences, and the error view's second march more so.
         (self.scene.debug.view, self.scene.compare.enabled) = (DebugView::None, false);
         self.settings = settings();
-        self.run = Some(Run { target, exact: Vec::new(), done: 0 });
+        self.run = Some(Run { target, exact: Vec::new(), done: 0, ends: Vec::new() });
     }
 
     /// Gives up what is under way: its terrain or its device is gone.
@@ -74,8 +97,30 @@ impl Tradeoff {
 
     /// The share that is done, 0 to 1, while a measurement is under way.
     pub(crate) fn progress(&self) -> Option<f32> {
-        let steps = 1 + self.settings.len() * (2 + ROUNDS);
-        self.run.as_ref().map(|run| run.done as f32 / steps as f32)
+        self.run.as_ref().map(|run| run.done as f32 / self.steps() as f32)
+    }
+
+    /// The number of steps of a measurement.
+    fn steps(&self) -> usize {
+        1 + self.settings.len() * (2 + ROUNDS)
+    }
+
+    /// What is measured next, and how long all the rest takes, roughly, in words; while a measurement is under way.
+    pub(crate) fn progress_in_words(&self) -> Option<String> {
+        let run = self.run.as_ref()?;
+        let count = self.settings.len().max(1);
+        let what = match run.done.checked_sub(1) {
+            None => "The exact picture first".to_owned(),
+            Some(step) => {
+                let of = if step < count { "Error" } else { "Time" };
+                format!("{of} of {}", self.settings.get(step % count).map(Setting::words).unwrap_or_default())
+            }
+        };
+        Some(match run.seconds_left(self.steps(), self.settings.len()) {
+            Some(seconds) if seconds < 90.0 => format!("{what}. About {:.0} s left.", seconds.max(1.0)),
+            Some(seconds) => format!("{what}. About {:.0} min left.", seconds / 60.0),
+            None => format!("{what} …"),
+        })
     }
 
     /// The settings that are measured completely; none before the measurement is over.
@@ -94,9 +139,16 @@ impl Tradeoff {
         })
     }
 
-    /// Whether the results are of another view than that of `scene`.
-    pub(crate) fn is_of_another_view(&self, scene: &Scene) -> bool {
-        self.scene.camera != scene.camera || self.scene.terrain != scene.terrain || self.scene.craters != scene.craters
+    /// What of `scene` is no longer as it was measured, in words. Technique and samples do not count: others were measured,
+    /// too. Nor does the turning of the cube.
+    pub(crate) fn outdated(&self, scene: &Scene) -> Option<String> {
+        let (before, now) = (bare(&self.scene), bare(scene));
+        let ground = before.terrain != now.terrain || before.craters != now.craters;
+        let view = before.camera != now.camera;
+        let others = Scene { terrain: now.terrain.clone(), craters: now.craters.clone(), camera: now.camera, ..before };
+        let changed = [(ground, "the ground"), (view, "the view"), (others != now, "the picture's settings")];
+        let words: Vec<&str> = changed.iter().filter(|(changed, _)| *changed).map(|(_, words)| *words).collect();
+        (!words.is_empty()).then(|| format!("Measured before {} changed.", words.join(" and ")))
     }
 
     /// Does one step, a frame or a probe, of what is under way. `map` is the terrain, for the size of a cell.
@@ -105,6 +157,9 @@ impl Tradeoff {
     /// As [`Renderer::draw`]; the measurement is over then.
     pub(crate) fn step(&mut self, renderer: &mut Renderer, map: &HeightField) -> Result<(), RenderError> {
         let Some(mut run) = self.run.take() else { return Ok(()) };
+        if run.ends.is_empty() {
+            run.ends.push(Instant::now());
+        }
         let (step, count) = (run.done, self.settings.len());
         let mut scene = self.scene.clone();
         if step == 0 {
@@ -128,18 +183,30 @@ impl Tradeoff {
             }
         }
         run.done += 1;
-        if run.done < 1 + count * (2 + ROUNDS) {
+        run.ends.push(Instant::now());
+        if run.done < self.steps() {
             self.run = Some(run);
         }
         Ok(())
     }
 }
 
+/// The part of a scene that a measurement depends on.
+fn bare(scene: &Scene) -> Scene {
+    let mut scene = visible_part(scene);
+    (scene.debug, scene.compare) =
+        (DebugSettings { wireframe: scene.debug.wireframe, ..Default::default() }, Default::default());
+    let MarchSettings { technique, samples_min, samples_max, .. } = MarchSettings::default();
+    scene.march = MarchSettings { technique, samples_min, samples_max, ..scene.march };
+    scene.occluder.rotation = Default::default();
+    scene
+}
+
 fn settings() -> Vec<Setting> {
     let of = |technique, samples| Setting { technique, samples, error: None, times: Vec::new() };
     Technique::ALL
         .into_iter()
-        .flat_map(|technique| match technique.samples_uniformly() {
+        .flat_map(|technique| match technique.counts_samples() {
             true => SAMPLES.map(|samples| of(technique, Some(samples))).to_vec(),
             false => vec![of(technique, None)],
         })
@@ -183,13 +250,18 @@ mod tests {
         let mut tradeoff = Tradeoff::default();
         assert_eq!((tradeoff.progress(), tradeoff.results().len()), (None, 0));
         tradeoff.start(&Scene::default(), Target::new(&gpu, [64, 48]));
-        let mut steps = 0;
+        let (mut steps, mut words) = (0, Vec::new());
         while let Some(progress) = tradeoff.progress() {
             assert!((0.0..1.0).contains(&progress) && tradeoff.results().is_empty());
+            words.push(tradeoff.progress_in_words().unwrap());
             tradeoff.step(&mut renderer, &map).unwrap();
             steps += 1;
         }
         assert_eq!(renderer.ledger(), &ledger);
+        assert_eq!(words[2], "Error of linear, 128 samples …");
+        let last = &words[steps - 1];
+        assert!(last.starts_with("Time of max-mipmap. About ") && last.ends_with(" left."), "{last}");
+        assert_eq!(tradeoff.progress_in_words(), None);
         let results = tradeoff.results();
         assert_eq!(steps, 1 + results.len() * (2 + ROUNDS));
         for setting in results {
@@ -201,10 +273,34 @@ mod tests {
             results.iter().find(|s| s.technique == technique && s.samples == samples).and_then(|s| s.error).unwrap()
         };
         assert_eq!(error(Technique::MaxMipmap, None), 0.0);
-        assert!(error(Technique::Linear, Some(2048)) < error(Technique::Linear, Some(32)));
-        assert!(!tradeoff.is_of_another_view(&Scene::default()));
-        let mut elsewhere = Scene::default();
-        elsewhere.terrain.height_scale = Some(0.5);
-        assert!(tradeoff.is_of_another_view(&elsewhere));
+        for technique in [Technique::Linear, Technique::Cone, Technique::RelaxedCone] {
+            assert!(error(technique, Some(2048)) < error(technique, Some(32)), "{technique:?}");
+        }
+    }
+
+    /// Nobody looks for a changed view who has made a crater.
+    #[test]
+    fn results_say_what_has_changed_since() {
+        let tradeoff = Tradeoff::default();
+        let after = |change: fn(&mut Scene)| {
+            let mut scene = Scene::default();
+            change(&mut scene);
+            tradeoff.outdated(&scene)
+        };
+        let same = after(|scene| {
+            (scene.march.technique, scene.march.samples_max) = (Technique::Cone, 99);
+            (scene.debug.view, scene.compare.enabled) = (DebugView::Error, true);
+            scene.craters.radius = 0.3;
+            scene.occluder.rotation.x += 1.0;
+        });
+        assert_eq!(same, None);
+        let crater = after(|scene| scene.craters.list.push(scene.craters.brush_at(0.5, 0.5)));
+        assert_eq!(crater.as_deref(), Some("Measured before the ground changed."));
+        let eye = crate::camera::Camera { eye: glam::DVec3::ONE, yaw: 1.0, pitch: 2.0, fov: 50.0 };
+        let mut moved = Scene { camera: Some(eye), ..Scene::default() };
+        assert_eq!(tradeoff.outdated(&moved).as_deref(), Some("Measured before the view changed."));
+        moved.march.binary_steps = 0;
+        let both = "Measured before the view and the picture's settings changed.";
+        assert_eq!(tradeoff.outdated(&moved).as_deref(), Some(both));
     }
 }

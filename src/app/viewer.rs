@@ -296,6 +296,7 @@ impl Viewer {
         }
         self.map = opened.map;
         self.tradeoff.forget();
+        self.meter.forget_times();
         self.scene.terrain.file = Some(opened.path);
         self.scene.terrain.height_scale = None;
         self.scene.craters.list.clear();
@@ -317,6 +318,7 @@ impl Viewer {
         match graphics.renderer.reload_shaders() {
             Ok(()) => {
                 self.drawn = None;
+                self.meter.forget_times();
                 self.toasts.dismiss_errors();
                 self.toasts.info("Shaders reloaded", now);
             }

@@ -57,12 +57,16 @@ fn an_eye_at_rest_is_compared_with_the_reference() {
 
 #[test]
 fn one_button_measures_the_techniques() {
-    let mut window = Window::open("--size 640x600");
+    let mut window = Window::open("--size 640x420");
     for section in ["Terrain", "March"] {
         window.section(section, false);
     }
     window.section("Tradeoff", true);
     let before = window.settled("rest", |_| true);
+    window.click("Measure techniques");
+    window.wait("a way out", |status| widget(status, "Cancel measurement").is_some());
+    window.click("Cancel measurement");
+    window.settled("no measurement", |status| widget(status, "Cancel measurement").is_none());
     window.click("Measure techniques");
     let busy = window.wait("a measurement", |status| status["idle"] == false);
     let button = widget(&busy, "Measure techniques");
@@ -71,6 +75,9 @@ fn one_button_measures_the_techniques() {
     assert_eq!(done["scene"], before["scene"], "measuring changes nothing");
     assert_eq!(done["ledger"]["passes"], before["ledger"]["passes"]);
     assert!(number(&done["frame"]) > number(&before["frame"]) + 20.0, "frames were shown meanwhile");
+    // The section below the plot begins in the window, or just below it.
+    let below = widget(&done, "Frame").unwrap();
+    assert!(number(&below["rect"][1]) < 430.0, "the plot was scrolled to: {below}");
     window.click("Reset tradeoff");
     window.settled("no plot", |status| status["tradeoff"] == 0);
     window.close();

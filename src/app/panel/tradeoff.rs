@@ -6,7 +6,7 @@ use egui::{Color32, ProgressBar, Sense, Ui, vec2};
 use egui_plot::{GridMark, HoverPosition, Line, MarkerShape, Plot, Points};
 
 use super::Panel;
-use super::widgets::{button_unless, section};
+use super::widgets::{button, button_unless, section};
 use crate::app::settings::Command;
 use crate::app::tradeoff::Setting;
 use crate::scene::Technique;
@@ -35,33 +35,50 @@ pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
             panel.commands.push(Command::ForgetTradeoff);
         }
         let progress = panel.tradeoff.progress();
-        let tooltip = "Measures the view on screen with each technique, and a few sample counts of those that take samples: \
+        let tooltip = "Measures the view on screen with each technique, and a few sample counts of those that count samples: \
                        milliseconds per frame, and the distance error against max-mipmap in cells. Takes some hundred \
                        frames, one between two of the window's own, once the cones are found that are needed.";
         let busy = progress.map(|_| "a measurement is under way");
         if button_unless(ui, "Measure techniques", tooltip, busy) {
             panel.commands.push(Command::MeasureTradeoff);
         }
+        // Remembered from frame to frame, so that the plot is scrolled to once: when it comes.
+        let awaited = ui.scope_id().with("awaited");
         if let Some(progress) = progress {
+            ui.data_mut(|data| data.insert_temp(awaited, true));
             ui.add(ProgressBar::new(progress).show_percentage());
+            ui.label(panel.tradeoff.progress_in_words().unwrap_or_default());
+            if button(ui, "Cancel measurement", "Ends the measurement; what it has found so far is lost. Free.") {
+                panel.commands.push(Command::ForgetTradeoff);
+            }
         }
         let results = panel.tradeoff.results();
         if results.is_empty() {
             return;
         }
-        if panel.tradeoff.is_of_another_view(panel.scene) {
-            ui.weak("Measured in another view than the one on screen.");
-        }
-        ui.label("Error in cells (99% of the pixels) over ms per frame");
-        plot(ui, results);
-        // The legend: in the plot, it would cover curves.
-        ui.horizontal_wrapped(|ui| {
-            for (technique, (colour, _)) in looks() {
-                ui.colored_label(colour, format!("● {}", technique.name()));
+        let shown = ui.scope(|ui| {
+            if let Some(words) = panel.tradeoff.outdated(panel.scene) {
+                ui.weak(words);
             }
+            curves(ui, results);
         });
-        ui.weak(format!("Left and low is better. On the lower edge: {LEAST_ERROR:e} cells or less."));
+        if ui.data_mut(|data| data.remove_temp::<bool>(awaited)).is_some() {
+            shown.response.scroll_to_me(None);
+        }
     });
+}
+
+/// The plot with its legend.
+fn curves(ui: &mut Ui, results: &[Setting]) {
+    ui.label("Error in cells (99% of the pixels) over ms per frame");
+    plot(ui, results);
+    // The legend: in the plot, it would cover curves.
+    ui.horizontal_wrapped(|ui| {
+        for (technique, (colour, _)) in looks() {
+            ui.colored_label(colour, format!("● {}", technique.name()));
+        }
+    });
+    ui.weak(format!("Left and low is better. On the lower edge: {LEAST_ERROR:e} cells or less."));
 }
 
 /// The results, both axes logarithmic: a curve for each technique.
