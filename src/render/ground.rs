@@ -13,15 +13,12 @@ use crate::scene::{CraterMode, CraterSettings};
 
 use super::cones::{ConeGround, Cones, layer_resolution};
 use super::ledger::TextureEntry;
+use super::pyramid_layout::{MOST_TOP_NODES, PyramidLayout};
 
 /// Format of heights and maxima that need floats, and of displacements.
 const FLOAT_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32Float;
 /// Format of heights and maxima that 16 bits hold.
 const UNITS_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R16Unorm;
-
-/// The walk starts at the level whose longer side has at most this many nodes: higher levels save no step, and a
-/// texture without them needs less padding.
-const MOST_TOP_NODES: u32 = 16;
 
 /// Bytes handed to the driver in one go, so that a large map needs no second copy of itself in staging memory.
 const UPLOAD_BYTES: usize = 32 << 20;
@@ -314,47 +311,6 @@ impl Ground {
     }
 }
 
-/// Where the levels of a pyramid lie in one texture: level 1 at the origin, and beside its longer side the others, one
-/// after the other along it.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct PyramidLayout {
-    /// Where level 2 begins; the end of level 1 where there is no level 2.
-    pub(super) place: [u32; 2],
-    /// The longer side of level 1, padded so that it can be halved for each level; 0 along the shorter side.
-    pub(super) stack: [u32; 2],
-    finest: [u32; 2],
-    levels: u32,
-}
-
-impl PyramidLayout {
-    /// The layout of so many levels, the finest of which has the size `finest`.
-    fn new(finest: [u32; 2], levels: u32) -> Self {
-        let [width, height] = finest;
-        let padded = |side: u32| side.next_multiple_of(1 << (levels - 1));
-        let (place, stack) =
-            if height >= width { ([width, 0], [0, padded(height)]) } else { ([0, height], [padded(width), 0]) };
-        Self { place, stack, finest, levels }
-    }
-
-    /// Where the level with this number begins.
-    fn place_of(&self, level: u32) -> [u32; 2] {
-        if level == 1 {
-            return [0, 0];
-        }
-        std::array::from_fn(|axis| self.place[axis] + self.stack[axis] - (self.stack[axis] >> (level - 2)))
-    }
-
-    /// Size of the texture.
-    pub(super) fn size(&self) -> [u32; 2] {
-        let coarser = if self.levels > 1 { self.finest.map(|side| side.div_ceil(2)) } else { [0, 0] };
-        std::array::from_fn(
-            |axis| {
-                if self.stack[axis] == 0 { self.finest[axis] + coarser[axis] } else { self.stack[axis] }
-            },
-        )
-    }
-}
-
 /// A texture that is filled by [`upload`].
 pub(super) fn empty_texture(gpu: &Gpu, label: &str, size: [u32; 2], format: wgpu::TextureFormat) -> Texture {
     let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
@@ -416,35 +372,4 @@ pub(super) fn upload<T: bytemuck::Pod>(
         }
     }
     u64::from(rect.width) * u64::from(rect.height) * texel_bytes as u64
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Two levels over one another would let rays through the ground; and the texture is to be little larger than them.
-    #[test]
-    fn every_level_has_its_own_place() {
-        for finest in
-            [[1, 1], [2, 1], [1, 9], [9, 1], [17, 40], [256, 256], [511, 300], [1500, 2], [1, 8192], [8192, 8192]]
-        {
-            let most = (1..).find(|level| finest[0].max(finest[1]) >> (level - 1) <= MOST_TOP_NODES).unwrap_or(1);
-            for levels in 1..=most {
-                let layout = PyramidLayout::new(finest, levels);
-                let rect = |level: u32| (layout.place_of(level), finest.map(|side| side.div_ceil(1 << (level - 1))));
-                let whole = layout.size();
-                for level in 1..=levels {
-                    let ([x, y], [width, height]) = rect(level);
-                    assert!(x + width <= whole[0] && y + height <= whole[1], "{finest:?}, level {level} of {levels}");
-                    for other in 1..level {
-                        let ([left, top], [across, down]) = rect(other);
-                        let apart = left + across <= x || x + width <= left || top + down <= y || y + height <= top;
-                        assert!(apart, "{finest:?}: levels {other} and {level} of {levels} overlap");
-                    }
-                }
-                let texels = |[width, height]: [u32; 2]| u64::from(width) * u64::from(height);
-                assert!(texels(whole) <= 2 * texels(finest) + 64, "{finest:?}, {levels} levels: {whole:?}");
-            }
-        }
-    }
 }

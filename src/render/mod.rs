@@ -23,6 +23,7 @@ mod pipelines;
 mod prepare;
 mod present;
 mod probe;
+mod pyramid_layout;
 mod sky_map;
 mod skybox;
 mod split;
