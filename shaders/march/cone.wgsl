@@ -1,5 +1,6 @@
-// Cone step mapping (Dummer 2006), robust between the samples as in Bán and Valasek 2024: from place to place the ray goes
-// on to where it leaves the cone without ground that stands on the cell below it.
+// Cone step mapping (Dummer 2006), with cones that are safe between the samples, too (proven in `heightfield/cone.rs`;
+// Bán and Valasek 2024 treat the same weakness): from place to place the ray goes on to where it leaves the cone without
+// ground that stands on the cell below it.
 //
 // Dummer's loop takes a fixed number of steps, and each ends short of the ground: what they do not reach is shown too
 // near. Here a step is never shorter than the uniform step of the same number of samples, so the ray always gets to its
