@@ -51,7 +51,7 @@ fn ground_normal(p: vec2f) -> vec3f {
 // Reflectance of the ground at the grid position `p`, seen at the view depth `depth`.
 fn ground_albedo(p: vec2f, depth: f32) -> vec3f {
 #ifdef DIFFUSE_TEXTURE
-    let uv = p / terrain.cells * terrain.repeats;
+    let uv = p * terrain.repeats_per_cell;
     // Texels under the pixel choose the mip; there are no derivatives after a march.
     let texels = depth * frame.pixel_size * terrain.texel_density * terrain.repeats;
     let root = textureSampleLevel(diffuse_texture, diffuse_sampler, uv, log2(max(texels, 1.0))).rgb;

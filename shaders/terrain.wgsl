@@ -4,7 +4,7 @@
 #import relief::frame::{frame, Ray, pixel_ray, slabs, cube_corner}
 #import relief::constants::NEAR
 #ifdef BEAM
-#import relief::beam::BEAM_TILE
+#import relief::beam::FINE_TILE
 #endif
 #import relief::srgb::from_srgb
 #import relief::heightfield::{terrain, Segment, Hit, NO_HIT}
@@ -133,7 +133,7 @@ fn fs_main(in: varyings::Varyings) -> Fragment {
     let verticality = abs(ray.direction.y) / length_of_direction;
 #ifdef BEAM
     let last_tile = vec2i(textureDimensions(beams)) - 1;
-    let beam = textureLoad(beams, min(vec2i(in.position.xy) / i32(BEAM_TILE), last_tile), 0);
+    let beam = textureLoad(beams, min(vec2i(in.position.xy) / i32(FINE_TILE), last_tile), 0);
     let begin = max(beam.r - span.begin, 0.0);
     let segment = Segment(origin, direction, span.end - span.begin, verticality, begin, beam.g);
 #else
@@ -216,7 +216,7 @@ fn fs_main(in: varyings::Varyings) -> Fragment {
     }
 #ifdef LIGHTING
     let normal = surface_normal(at == 0.0, span.axis, point.xz, ray.direction);
-    albedo = shading::lit(albedo, normal, -ray.direction / length_of_direction);
+    albedo = shading::lit(albedo, normal, ray.direction * (-1.0 / length_of_direction));
 #endif
     return Fragment(vec4f(albedo, 1.0), written);
 #endif

@@ -45,7 +45,7 @@ pub use heat_map::{COVERS_SKY, ERROR_DECADES, SEE_THROUGH, SKY_BOTH, error_colou
 pub use ledger::{Ledger, TextureEntry};
 pub use probe::Probe;
 
-use beam::Beams;
+use beam::{Beams, Tiles};
 use cube::Cube;
 use distances::ExactDistances;
 use drape::Drape;
@@ -236,7 +236,7 @@ impl Renderer {
             self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("frame") });
         self.encode_beams(&mut encoder, &passes, self.timer.writes(true, false));
         if let Some(draw) = &passes.exact {
-            let first = passes.beam.is_none();
+            let first = passes.beams.is_none();
             self.encode_exact(&mut encoder, draw, &target.depth_view, self.timer.writes(first, false));
         }
         let background = if scene.debug.view == DebugView::Error { heat_map::sky_both() } else { BACKGROUND };
@@ -251,7 +251,7 @@ impl Renderer {
                 label: Some("scene"),
                 color_attachments: &attachments,
                 depth_stencil_attachment: Some(clear_depth(&target.depth_view)),
-                timestamp_writes: self.timer.writes(passes.beam.is_none() && passes.exact.is_none(), true),
+                timestamp_writes: self.timer.writes(passes.beams.is_none() && passes.exact.is_none(), true),
                 occlusion_query_set: counter.map(probe::PixelCounter::queries),
                 multiview_mask: None,
             });
@@ -342,13 +342,13 @@ impl Renderer {
         passes: &Passes,
         timestamps: Option<wgpu::RenderPassTimestampWrites<'_>>,
     ) {
-        if let (Some(pass), Some(beams)) = (&passes.beam, &self.beams) {
+        if let (Some((pair, area)), Some(beams)) = (&passes.beams, &self.beams) {
             #[cfg(test)]
             if let (true, Some(ground)) = (self.whole_rays, &self.ground) {
                 beams.clear(encoder, ground.top_size());
                 return;
             }
-            beams.encode(encoder, &pass.built, &self.frame.group, &pass.group, pass.area, timestamps);
+            beams.encode(encoder, pair, &self.frame.group, *area, timestamps);
         }
     }
 
@@ -371,11 +371,15 @@ impl Renderer {
         }
         textures.extend(self.drape.as_ref().and_then(Drape::entry));
         textures.extend(self.skybox.as_ref().map(Skybox::entry));
-        textures.extend(self.beams.as_ref().map(Beams::entry));
+        textures.extend(self.beams.iter().flat_map(Beams::entries));
         textures.extend(self.exact.as_ref().or(self.reference.as_ref()).map(ExactDistances::entry));
         textures.push(TextureEntry::of("picture", &target.color));
         textures.push(TextureEntry::of("depth", &target.depth));
-        let before = passes.beam.iter().map(|_| "beam").chain(passes.exact.iter().map(|draw| draw.name));
+        let before = passes
+            .beams
+            .iter()
+            .flat_map(|_| Tiles::ALL.map(Tiles::name))
+            .chain(passes.exact.iter().map(|draw| draw.name));
         let before: Vec<_> = before.collect();
         let terrain = passes.draws.iter().find(|draw| matches!(draw.name, "terrain" | "compare"));
         self.shown.clear();

@@ -10,7 +10,7 @@ use crate::heightfield::{ConeKind, ConeMap};
 use crate::scene::{DebugView, Scene};
 use crate::scene_file;
 
-use super::beam::Beams;
+use super::beam::{BeamPass, Beams, Tiles};
 use super::cones::ConeGround;
 use super::cube::{clip_corners, in_view};
 use super::distances::ExactDistances;
@@ -31,17 +31,10 @@ pub(super) struct Draw {
     pub(super) area: Area,
 }
 
-/// The beam pass: pipeline, bind group, and the part of the picture whose rays start from beams.
-pub(super) struct BeamPass {
-    pub(super) built: Rc<Built>,
-    pub(super) group: wgpu::BindGroup,
-    pub(super) area: Area,
-}
-
 /// What a frame or a probe draws.
 pub(super) struct Passes {
-    /// There where a technique starts from beams.
-    pub(super) beam: Option<BeamPass>,
+    /// There where a technique starts from beams, with the part of the picture where rays do.
+    pub(super) beams: Option<([BeamPass; 2], Area)>,
     /// Finds the exact distances, for the error view.
     pub(super) exact: Option<Draw>,
     /// Draws of the scene's pass, in their order.
@@ -110,8 +103,8 @@ impl Renderer {
             }
             None => None,
         };
-        let beam = match beamed.filter(|_| !draws.is_empty()) {
-            Some(area) => self.beam_pass(area)?,
+        let beams = match beamed.filter(|_| !draws.is_empty()) {
+            Some(area) => self.beam_passes()?.map(|passes| (passes, area)),
             None => None,
         };
         if scene.debug.wireframe && !probe {
@@ -125,7 +118,7 @@ impl Renderer {
             let group = skybox.group(&self.gpu, &built);
             draws.push(Draw { name: "skybox", built, group, edges: false, area: whole });
         }
-        Ok(Passes { beam, exact, draws })
+        Ok(Passes { beams, exact, draws })
     }
 
     /// Keeps the texture of exact distances while the error view needs one of its own; what has to be drawn into it.
@@ -245,11 +238,15 @@ impl Renderer {
         }
     }
 
-    fn beam_pass(&mut self, area: Area) -> Result<Option<BeamPass>, RenderError> {
-        let (Some(_), Some(ground)) = (&self.beams, &self.ground) else { return Ok(None) };
-        let built = self.pipelines.get(&self.gpu, &self.frame.layout, PipelineKey::Beam)?;
-        let group = self.terrain.beam_group(&self.gpu, &built, ground);
-        Ok(group.map(|group| BeamPass { built, group, area }))
+    fn beam_passes(&mut self) -> Result<Option<[BeamPass; 2]>, RenderError> {
+        let (Some(beams), Some(ground)) = (&self.beams, &self.ground) else { return Ok(None) };
+        let mut pass = |tiles| -> Result<Option<BeamPass>, RenderError> {
+            let built = self.pipelines.get(&self.gpu, &self.frame.layout, PipelineKey::Beam(tiles))?;
+            let group = self.terrain.beam_group(&self.gpu, &built, ground, beams, tiles);
+            Ok(group.map(|group| BeamPass { built, group }))
+        };
+        let (coarse, fine) = (pass(Tiles::Coarse)?, pass(Tiles::Fine)?);
+        Ok(coarse.zip(fine).map(|(coarse, fine)| [coarse, fine]))
     }
 
     fn shows_terrain(&self, view: &View) -> bool {

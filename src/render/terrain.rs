@@ -9,7 +9,7 @@ use crate::gpu::Gpu;
 use crate::heightfield::ConeKind;
 use crate::scene::{CraterMode, DebugView, HeightFilter, Scene, Technique};
 
-use super::beam::Beams;
+use super::beam::{Beams, Tiles};
 use super::cube::corner;
 use super::drape::Drape;
 use super::frame::{
@@ -298,8 +298,8 @@ pub(super) struct TerrainUniform {
     pub(super) cells: [f32; 2],
     pub(super) cells_per_unit: [f32; 2],
     pub(super) texel_size: [f32; 2],
-    pub(super) pyramid_place: [f32; 2],
     pub(super) pyramid_stack: [f32; 2],
+    pub(super) repeats_per_cell: [f32; 2],
     pub(super) pyramid_texel: [f32; 2],
     pub(super) layer_cells: [f32; 2],
     pub(super) samples: [f32; 2],
@@ -338,8 +338,8 @@ impl TerrainUniform {
             cells: cells.map(|side| side as f32),
             cells_per_unit: [(f64::from(cells[0]) / extent.x) as f32, (f64::from(cells[1]) / extent.z) as f32],
             texel_size: cells.map(|side| (1.0 / f64::from(side + 1)) as f32),
-            pyramid_place: levels.place.map(|side| side as f32),
             pyramid_stack: levels.stack.map(|side| side as f32),
+            repeats_per_cell: cells.map(|side| scene.diffuse.repeats / side as f32),
             pyramid_texel: levels.size().map(|side| (1.0 / f64::from(side)) as f32),
             layer_cells: layer_cells.map(|side| side as f32),
             samples: [scene.march.samples_min as f32, scene.march.samples_max as f32],
@@ -465,7 +465,7 @@ impl TerrainBindings {
             entries.push((2, wgpu::BindingResource::Sampler(&self.height_sampler)));
         }
         if key.needs_pyramid() {
-            entries.extend([(3, view(ground.pyramid()?)), (8, view(beams?.starts()))]);
+            entries.extend([(3, view(ground.pyramid()?)), (8, view(beams?.starts(Tiles::Fine)))]);
         }
         if let Some(kind) = key.needs_cones() {
             entries.push((9, view(ground.cones(kind)?)));
@@ -480,18 +480,24 @@ impl TerrainBindings {
         Some(bind(gpu, built, entries))
     }
 
-    /// The bind group of the beam pass `built`, which shares the uniform; `None` without a pyramid.
-    pub(super) fn beam_group(&self, gpu: &Gpu, built: &Built, ground: &Ground) -> Option<wgpu::BindGroup> {
-        let pyramid = wgpu::BindingResource::TextureView(ground.pyramid()?);
-        Some(bind(
-            gpu,
-            built,
-            vec![
-                (0, self.buffer.as_entire_binding()),
-                (3, pyramid),
-                (7, wgpu::BindingResource::Sampler(&self.corner_sampler)),
-            ],
-        ))
+    /// The bind group of a beam pass, `built` for these tiles, which shares the uniform; `None` without a pyramid.
+    pub(super) fn beam_group(
+        &self,
+        gpu: &Gpu,
+        built: &Built,
+        ground: &Ground,
+        beams: &Beams,
+        tiles: Tiles,
+    ) -> Option<wgpu::BindGroup> {
+        let mut entries = vec![
+            (0, self.buffer.as_entire_binding()),
+            (3, wgpu::BindingResource::TextureView(ground.pyramid()?)),
+            (7, wgpu::BindingResource::Sampler(&self.corner_sampler)),
+        ];
+        if tiles == Tiles::Fine {
+            entries.push((8, wgpu::BindingResource::TextureView(beams.starts(Tiles::Coarse))));
+        }
+        Some(bind(gpu, built, entries))
     }
 }
 

@@ -72,8 +72,8 @@ fn rust_and_wgsl_agree_on_every_uniform() {
             cells,
             cells_per_unit,
             texel_size,
-            pyramid_place,
             pyramid_stack,
+            repeats_per_cell,
             pyramid_texel,
             layer_cells,
             samples,
@@ -105,7 +105,8 @@ fn every_reachable_pipeline_builds_and_binds_just_what_its_shader_uses() {
     assert!(keys.len() > 100, "the list of variants has shrunk to {}", keys.len());
     let mut all: Vec<_> = keys.into_iter().map(PipelineKey::Terrain).collect();
     all.extend([
-        PipelineKey::Beam,
+        PipelineKey::Beam(Tiles::Coarse),
+        PipelineKey::Beam(Tiles::Fine),
         PipelineKey::Wireframe,
         PipelineKey::Occluder { probe: false },
         PipelineKey::Occluder { probe: true },
