@@ -37,7 +37,28 @@ fn the_files_of_a_scene_are_found_beside_it() {
     fs::create_dir(bench.path("deep")).unwrap();
     bench.write("deep/scene.toml", "terrain.file = \"map.png\"\n");
     let run = bench.relief("render -o out.png --size 8x8 --scene deep/scene.toml");
-    run.expect(3, &["map.png", "no such file"]);
+    run.expect(3, &["map.png", "no such file", "The scene deep/scene.toml names it"]).says_what_why_and_what_to_do();
+    // Named by the user it is not the scene's fault.
+    let run = bench.relief("render other.png -o out.png --size 8x8 --scene deep/scene.toml");
+    assert!(!run.expect(3, &["other.png", "no such file"]).stderr.contains("names it"), "{}", run.stderr);
+    bench.relief("report -o out --size 8x8 --scene deep/scene.toml").expect(3, &["no camera"]);
     bench.map("deep/map.png", 16, 16);
     bench.relief("render -o out.png --size 8x8 --scene deep/scene.toml").expect(0, &[]);
+}
+
+/// A picture without its crater looks right; only a message tells that the crater is missing.
+#[test]
+fn a_crater_off_the_map_is_told() {
+    let bench = Bench::new();
+    bench.map("map.png", 16, 9);
+    let list = "[{ x = 0.5, z = 0.9, radius = 0.1, depth = 0.1, rim = 0.1 }]";
+    bench.write("scene.toml", format!("terrain.file = \"map.png\"\ncraters.list = {list}\n"));
+    let run = bench.relief("render -o out.png --size 8x8 --scene scene.toml");
+    run.expect(0, &["relief: warning: the crater at x 0.5, z 0.9", "lies off the map", "to 0.53"]);
+    let run = bench.relief("render map.png -o out.png --size 8x8 --crater=-2,0.1");
+    run.expect(0, &["relief: warning: the crater at x -2, z 0.1", "lies off the map"]);
+    let run = bench.relief("--scene scene.toml --size 8x8 -o view.png");
+    run.expect(0, &["warning: the crater at x 0.5, z 0.9"]);
+    let run = bench.relief("render map.png -o out.png --size 8x8 --crater 0.5,0.6");
+    assert_eq!(run.expect(0, &[]).stderr.matches("crater").count(), 0, "its rim is on the map: {}", run.stderr);
 }
