@@ -59,6 +59,6 @@ fn a_crater_off_the_map_is_told() {
     run.expect(0, &["relief: warning: the crater at x -2, z 0.1", "lies off the map"]);
     let run = bench.relief("--scene scene.toml --size 8x8 -o view.png");
     run.expect(0, &["warning: the crater at x 0.5, z 0.9"]);
-    let run = bench.relief("render map.png -o out.png --size 8x8 --crater 0.5,0.6");
+    let run = bench.relief("render map.png -o out.png --size 8x8 --crater 0.5,0.56");
     assert_eq!(run.expect(0, &[]).stderr.matches("crater").count(), 0, "its rim is on the map: {}", run.stderr);
 }
