@@ -137,6 +137,20 @@ impl Window {
         desktop::screen(&self.display, self.number())
     }
 
+    /// Waits until the screen is as wanted: what the viewer has handed over need not be there yet.
+    #[track_caller]
+    pub(crate) fn screen_until(&self, what: &str, done: impl Fn(&RgbaImage) -> bool) -> RgbaImage {
+        let start = Instant::now();
+        loop {
+            let screen = self.screen();
+            if done(&screen) {
+                return screen;
+            }
+            assert!(start.elapsed() < PATIENCE, "waited in vain for {what} on the screen; the log: {}", self.log());
+            sleep(POLL);
+        }
+    }
+
     /// A file in the test's folder.
     pub(crate) fn path(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)
