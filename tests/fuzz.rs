@@ -397,9 +397,9 @@ fn mutated_text(dice: &Dice, text: &str, other: &str) -> Vec<u8> {
         if kind == 1 {
             let (at, word) = (dice.below(words.len()), WORDS[dice.below(WORDS.len())].to_owned());
             if dice.below(3) == 0 {
-                words.insert(at, word)
+                words.insert(at, word);
             } else {
-                words[at] = word
+                words[at] = word;
             }
             continue;
         }
