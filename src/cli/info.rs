@@ -11,7 +11,7 @@ use super::terrain::Source;
 use crate::heightfield::Loaded;
 
 pub(crate) fn run(args: &InfoArgs) -> Result<(), Failure> {
-    let loaded = Source::File(args.file.clone()).load()?;
+    let loaded = Source::File { path: args.file.clone(), scene: None }.load()?;
     let info = Info::of(&loaded);
     if args.json {
         let json = serde_json::to_string_pretty(&info).map_err(|error| {
