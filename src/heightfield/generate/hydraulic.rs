@@ -59,8 +59,11 @@ pub(super) fn erode(
     work: Work<'_>,
 ) -> Result<Account, MakeError> {
     let total = (hydraulic.drops * (plane.width * plane.height) as f64) as u64;
-    let tools = Tools::new(hydraulic);
     let mut account = Account::default();
+    if total == 0 {
+        return Ok(account);
+    }
+    let tools = Tools::new(hydraulic);
     let mut waiting = Vec::new();
     let mut origin = 0;
     for round in 0.. {

@@ -108,7 +108,8 @@ impl Recipe {
         }?;
         if recipe.hydraulic.drops > 0.0 || recipe.thermal.iterations > 0 {
             in_distances_of_samples(&mut samples, &plane);
-            hydraulic::erode(&mut samples, &plane, &recipe.hydraulic, recipe.seed, raining)?;
+            let account = hydraulic::erode(&mut samples, &plane, &recipe.hydraulic, recipe.seed, raining)?;
+            log::debug!("rain, in heights of a sample: {account:?}");
             thermal::erode(&mut samples, &plane, &recipe.thermal, sliding)?;
         }
         #[expect(clippy::expect_used, reason = "a valid recipe has a size, and all its steps keep samples finite")]

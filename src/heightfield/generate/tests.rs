@@ -7,7 +7,7 @@ fn a_seed_gives_the_same_landscape_everywhere() {
         let field = generate(kind, 65, seed);
         field.samples().iter().fold(0u32, |sum, h| sum.rotate_left(5) ^ h.to_bits())
     };
-    let expected = [0x2777_f4c9, 0xae58_089a, 0xc939_6d3d, 0];
+    let expected = [0x2777_f4c9, 0xae58_089a, 0xc939_6d3d, 0x2019_2992];
     assert_eq!(Kind::ALL.map(|kind| fingerprint(kind, 7)), expected);
     for kind in Kind::ALL {
         assert_ne!(fingerprint(kind, 7), fingerprint(kind, 8), "{kind:?}");

@@ -19,6 +19,9 @@ const WEIGHTS: f32 = 4.0 + 4.0 * DIAGONAL;
 
 /// Lets `heights`, in distances of samples, slide.
 pub(super) fn erode(heights: &mut Vec<f32>, plane: &Plane, thermal: &Thermal, work: Work<'_>) -> Result<(), MakeError> {
+    if thermal.iterations == 0 {
+        return Ok(());
+    }
     let slide = Slide {
         share: thermal.strength as f32 / WEIGHTS,
         talus: thermal.talus as f32,
