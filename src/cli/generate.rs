@@ -51,7 +51,7 @@ pub(crate) struct GenerateArgs {
     #[arg(long, value_name = "R", allow_negative_numbers = true, help_heading = "Fractal")]
     roughness: Option<f64>,
     /// Octaves of noise, 1 to 32 [default: down to two samples]
-    #[arg(long, value_name = "N", allow_negative_numbers = true, help_heading = "Fractal")]
+    #[arg(long, value_name = "N", value_parser = parse::count, allow_negative_numbers = true, help_heading = "Fractal")]
     octaves: Option<u32>,
     /// Frequency of an octave over the one before, 1.1 to 8 [default: 2]
     #[arg(long, value_name = "L", allow_negative_numbers = true, help_heading = "Fractal")]
@@ -63,7 +63,7 @@ pub(crate) struct GenerateArgs {
     #[arg(long, value_name = "A,B,…", value_delimiter = ',', allow_negative_numbers = true, help_heading = "Fractal")]
     schedule: Option<Vec<f64>>,
     /// diamond-square: passes of smoothing, 0 to 64 [default: 0]
-    #[arg(long, value_name = "N", allow_negative_numbers = true, help_heading = "Fractal")]
+    #[arg(long, value_name = "N", value_parser = parse::count, allow_negative_numbers = true, help_heading = "Fractal")]
     smoothing: Option<u32>,
     /// ridged: what the noise is subtracted from, 0.5 to 2 [default: 1]
     #[arg(long, value_name = "X", allow_negative_numbers = true, help_heading = "Fractal")]
@@ -82,13 +82,13 @@ pub(crate) struct GenerateArgs {
     #[arg(long, value_name = "X", allow_negative_numbers = true, help_heading = "Erosion")]
     hydraulic_strength: Option<f64>,
     /// Samples around a drop that soil is taken from, 1 to 8 [default: 3]
-    #[arg(long, value_name = "N", allow_negative_numbers = true, help_heading = "Erosion")]
+    #[arg(long, value_name = "N", value_parser = parse::count, allow_negative_numbers = true, help_heading = "Erosion")]
     hydraulic_radius: Option<u32>,
     /// Steps of a drop at most, 1 to 1000 [default: 64]
-    #[arg(long, value_name = "N", allow_negative_numbers = true, help_heading = "Erosion")]
+    #[arg(long, value_name = "N", value_parser = parse::count, allow_negative_numbers = true, help_heading = "Erosion")]
     hydraulic_lifetime: Option<u32>,
     /// Steps in which steep slopes slide, 0 to 10000; 20 make screes [default: 0]
-    #[arg(long, value_name = "STEPS", allow_negative_numbers = true, help_heading = "Erosion")]
+    #[arg(long, value_name = "STEPS", value_parser = parse::count, allow_negative_numbers = true, help_heading = "Erosion")]
     thermal: Option<u32>,
     /// Share of what can slide in a step that does, 0 to 1 [default: 1]
     #[arg(long, value_name = "X", allow_negative_numbers = true, help_heading = "Erosion")]

@@ -83,6 +83,11 @@ pub(crate) fn size(text: &str) -> Result<[u32; 2], String> {
     Ok([side("width", width)?, side("height", height)?])
 }
 
+/// How many of something.
+pub(crate) fn count(text: &str) -> Result<u32, String> {
+    text.parse().map_err(|_| format!("`{text}` is not a whole number from 0 to {}", u32::MAX))
+}
+
 /// `1025` for both sides of a map, or `2049x1025`.
 pub(crate) fn grid(text: &str) -> Result<[u32; 2], String> {
     let (columns, rows) = text.split_once(['x', 'X', '×']).unwrap_or((text, text));

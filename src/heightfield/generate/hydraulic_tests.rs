@@ -48,7 +48,8 @@ fn soil_is_neither_made_nor_lost() {
                 let Account { eroded, deposited, carried_off } = account;
                 assert!((eroded - deposited - carried_off).abs() <= 1e-9 * eroded.max(1.0), "all is settled: {what}");
                 let difference = sum(&after) - sum(&before) - (deposited - eroded);
-                assert!(difference.abs() <= 1e-5 * (sum(&before).abs() + eroded), "{difference}: {what}");
+                // Each write rounds to single precision, and a wide brush on a small map writes the same sample often.
+                assert!(difference.abs() <= 1e-4 * (sum(&before).abs() + eroded), "{difference}: {what}");
                 assert!(!plane.wraps || carried_off == 0.0, "nowhere to carry it to: {what}");
             }
         }
