@@ -83,6 +83,21 @@ pub(crate) fn size(text: &str) -> Result<[u32; 2], String> {
     Ok([side("width", width)?, side("height", height)?])
 }
 
+/// How many of something.
+pub(crate) fn count(text: &str) -> Result<u32, String> {
+    text.parse().map_err(|_| format!("`{text}` is not a whole number from 0 to {}", u32::MAX))
+}
+
+/// `1025` for both sides of a map, or `2049x1025`.
+pub(crate) fn grid(text: &str) -> Result<[u32; 2], String> {
+    let (columns, rows) = text.split_once(['x', 'X', '×']).unwrap_or((text, text));
+    let side = |text: &str| {
+        text.parse::<u32>()
+            .map_err(|_| format!("`{text}` is not a whole number; expected N or COLUMNSxROWS, such as 1025"))
+    };
+    Ok([side(columns)?, side(rows)?])
+}
+
 /// `128..512`, or one number for both.
 pub(crate) fn samples(text: &str) -> Result<[u32; 2], String> {
     let (min, max) = text.split_once("..").unwrap_or((text, text));
@@ -203,6 +218,14 @@ mod tests {
         assert_eq!(size("1280x800"), Ok([1280, 800]));
         for wrong in ["0x5", "5x0", "5", "x", "5x", "-5x5", "5.5x5", "99999999999x1"] {
             assert!(size(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn sides_of_maps() {
+        assert_eq!((grid("1025"), grid("2049x3")), (Ok([1025; 2]), Ok([2049, 3])));
+        for wrong in ["", "x", "5x", "-5", "5.5", "1e9", "99999999999"] {
+            assert!(grid(wrong).is_err(), "{wrong}");
         }
     }
 

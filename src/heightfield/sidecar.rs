@@ -42,11 +42,14 @@ pub struct Sidecar {
     /// Factor on the true proportion.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub vertical_exaggeration: Option<f64>,
+    /// What the map was made from, where this program made it; read by [`super::generate::recipe_file::read`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub recipe: Option<toml::Table>,
 }
 
 impl Sidecar {
     /// The keys that a sidecar may have.
-    pub const KEYS: [&'static str; 9] = [
+    pub const KEYS: [&'static str; 10] = [
         "title",
         "extent_metres",
         "lowest_metre",
@@ -56,6 +59,7 @@ impl Sidecar {
         "source",
         "licence",
         "vertical_exaggeration",
+        "recipe",
     ];
 
     /// Where the sidecar of `map` is, if it has one.
