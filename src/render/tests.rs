@@ -5,6 +5,7 @@ use std::mem::offset_of;
 
 use glam::{DVec2, DVec3, DVec4};
 
+use super::anchor::AnchorUniform;
 use super::cube::{clip_corners, in_view};
 use super::frame::FrameUniform;
 use super::occluder::CubeUniform;
@@ -91,6 +92,33 @@ fn rust_and_wgsl_agree_on_every_uniform() {
             height_unit,
             sun,
             ambient,
+        ]
+    );
+    let pass = terrain::describe(key.in_a_deep_zoom(true));
+    let module = sources().compose(pass.file, &pass.modules, &pass.defs).unwrap();
+    assert_layout!(
+        &module,
+        "Anchor",
+        AnchorUniform,
+        [
+            origin,
+            depth,
+            origin_right,
+            beam_shift,
+            origin_down,
+            ground,
+            direction,
+            height,
+            direction_right,
+            units,
+            direction_down,
+            relief,
+            low,
+            shares_per_unit,
+            high,
+            padding,
+            cell,
+            fraction,
         ]
     );
     let pass = occluder::describe(false);

@@ -1,6 +1,7 @@
 use super::super::terrains::Terrain;
 use super::super::views::View;
 use super::*;
+use crate::render::ray_start;
 use crate::camera::NamedView;
 
 const SIZE: [u32; 2] = [48, 32];
@@ -19,7 +20,7 @@ fn judged(terrain: Terrain, view: View, change: &dyn Fn(usize, f64) -> f64) -> J
         Pixel { index, expected, distance: distance as f32, beyond_start: (distance / length - start) as f32 }
     };
     let pixels: Vec<_> = expected.iter().enumerate().map(pixel).collect();
-    Judge { field: &field, extent, camera: &camera, size: SIZE, cell: extent.x / 32.0 }.judge(&pixels)
+    Judge { field: &field, extent, camera: &camera, size: SIZE, cell: extent.x / 32.0, start, anchor: None }.judge(&pixels)
 }
 
 fn wrong(judgement: &Judgement) -> [u64; 4] {

@@ -364,7 +364,8 @@ impl Stage<'_> {
         };
         let pixels: Vec<_> = reference.iter().zip(found).enumerate().map(pixel).collect();
         let &Self { field, extent, ref camera, size, cell } = self;
-        Judge { field, extent, camera, size, cell }.judge(&pixels)
+        let &Probe { start, anchor, .. } = probe;
+        Judge { field, extent, camera, size, cell, start, anchor }.judge(&pixels)
     }
 }
 
