@@ -16,8 +16,7 @@ struct Anchor {
     // The anchor's parameter along the rays of `frame`.
     beam_shift: f32,
     origin_down: vec3f,
-    // Height of the ground over the anchor.
-    ground: f32,
+    padding: f32,
     // Direction of the central ray, and its change per pixel.
     direction: vec3f,
     // The anchor's height over the floor.
@@ -33,10 +32,13 @@ struct Anchor {
     // Units of height per world unit.
     shares_per_unit: f32,
     high: vec3f,
-    padding: f32,
+    more_padding: f32,
     // The anchor's cell, and where in it the anchor is.
     cell: vec2f,
     fraction: vec2f,
+    // Height over the anchor of the patch of its own cell, in the middle, and of those beside it, continued to its place:
+    // the cells of a row in a vector.
+    grounds: array<vec4f, 3>,
 }
 
 @group(1) @binding(14) var<uniform> anchor_uniform: Anchor;
@@ -69,4 +71,11 @@ fn place_at(p: vec2f, cells: vec2f) -> Place {
     let from_cell = anchor.fraction + p;
     let cell = clamp(anchor.cell + floor(from_cell), vec2f(0.0), cells - 1.0);
     return Place(cell, (anchor.cell - cell) + from_cell);
+}
+
+// Height over the anchor of a patch, continued to the anchor's place: that of the cell which the anchor's is `from_cell`
+// away from, at most one along each axis.
+fn ground_beside_anchor(from_cell: vec2f) -> f32 {
+    let index = vec2u(vec2i(1 - vec2i(from_cell)));
+    return anchor_uniform.grounds[min(index.y, 2u)][min(index.x, 2u)];
 }

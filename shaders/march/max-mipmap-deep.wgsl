@@ -5,7 +5,7 @@
 // that costs some steps, and the walk has no place that rounding could put into the wrong node.
 #define_import_path relief::march
 
-#import relief::anchor::{anchor, place_at}
+#import relief::anchor::{anchor, ground_beside_anchor, place_at}
 #import relief::constants::MOST_STEPS
 #import relief::heightfield::{terrain, heights, corner_sampler, Segment, Hit, NO_HIT, cell_corners, bilinear}
 #import relief::pyramid::{
@@ -15,9 +15,6 @@
 
 // A node's highest ground is raised by this share: more than its rounding.
 const RAISE: f32 = 2e-6;
-
-// Share of a parameter by which a root may lie outside of its cell: more than the rounding of both.
-const SLACK: f32 = 1e-6;
 
 // Parameters at which the ray reaches walls, whole numbers of cells, along the two axes.
 fn reached_from_anchor(course: Course, walls: vec2f) -> vec2f {
@@ -70,15 +67,16 @@ fn meet_ground(cell: vec2f, ray: Segment, begin: f32, end: f32) -> f32 {
     let k = corners.x - corners.y - corners.z + corners.w;
     let from_cell = anchor.cell - cell;
     let anchor_within = from_cell + anchor.fraction;
-    let is_near = all(abs(anchor_within - 0.5) <= vec2f(1.5));
+    let is_near = all(abs(from_cell) <= vec2f(1.0));
     let reference = select(begin, 0.0, is_near);
     let here = ray.origin + ray.direction * begin;
     let within = select(clamp(anchor_within + here.xz, vec2f(0.0), vec2f(1.0)), anchor_within, is_near);
     let offset = select(vec3f(0.0, here.y, 0.0), ray.origin, is_near);
     var ground = bilinear(corners, within);
 #ifndef CRATERS_LAYERED
-    // That of the anchor's own cell is known better.
-    ground = select(ground, anchor.ground, is_near & all(from_cell == vec2f(0.0)));
+    if is_near {
+        ground = ground_beside_anchor(from_cell);
+    }
 #endif
     let slope = vec2f(corners.y - corners.x, corners.z - corners.x) + k * within.yx;
     let c = (offset.y - ground) - dot(slope, offset.xz) - k * offset.x * offset.z;
@@ -93,8 +91,8 @@ fn meet_ground(cell: vec2f, ray: Segment, begin: f32, end: f32) -> f32 {
     let discriminant = linear * linear - 4.0 * quadratic * c;
     let root = sqrt(max(discriminant, 0.0));
     let s = select(-(linear + root) / (2.0 * quadratic), 2.0 * c / (root - linear), linear <= 0.0);
-    let slack = SLACK * (abs(first) + abs(last));
-    let meets = discriminant >= 0.0 && s >= first - slack && s <= last + slack;
+    // A ray that is in the ground at the end has met it on the way, even where rounding puts the root outside of the cell.
+    let meets = (quadratic * last + linear) * last + c <= 0.0 || discriminant >= 0.0 && s >= first && s <= last;
     return select(NO_HIT, reference + clamp(s, first, last), meets);
 }
 

@@ -12,8 +12,8 @@
 //! The fraction is a multiple of 2⁻²², so that a wall's number less the anchor's cell and less the fraction is exact for
 //! the walls of the anchor's cell and three beyond them, and rounded by u of its distance for the others. Heights
 //! are shares of the box's, of which the map's are f32 numbers; the anchor's is one, too, and the difference of two f32
-//! numbers is rounded by u of itself at most. The height of the ground at the anchor less the anchor's is one f32, made in
-//! f64. So all that is known of a ray and of the ground is rounded by a few u of its distance from the anchor, down to
+//! numbers is rounded by u of itself at most. The heights at the anchor of the patches around it, less the anchor's, are
+//! f32 numbers made in f64. So all that is known of a ray and of the ground is rounded by a few u of its distance from the anchor, down to
 //! what f64 knows of the camera: `report/stress/bound.rs` has the sum.
 
 use bytemuck::{Pod, Zeroable};
@@ -60,8 +60,9 @@ pub(crate) struct Anchor {
     fraction: DVec2,
     /// Its height as a share of the box's; an f32 number.
     height: f64,
-    /// Height of the ground there less the anchor's, a share of the box's.
-    ground: f64,
+    /// Heights of the patches of its cell and those around it, by row and column, continued to the anchor's place, less
+    /// the anchor's height.
+    grounds: [[f64; 3]; 3],
     /// World position of the central ray at the anchor's depth.
     pub(crate) central: DVec3,
 }
@@ -97,11 +98,30 @@ impl Anchor {
         let ((column, u), (row, v)) = (along(0, place.x), along(1, place.z));
         let height = f64::from(place.y.clamp(0.0, 1.0) as f32);
         let cell = [column, row].map(|cell| cell as u32);
-        let corner = |i: u32, j: u32| f64::from(field.sample(cell[0] + i, cell[1] + j)) * scale.relief - height;
-        let mix = |a: f64, b: f64, t: f64| a + (b - a) * t;
-        let ground = mix(mix(corner(0, 0), corner(1, 0), u), mix(corner(0, 1), corner(1, 1), u), v);
-        Self { depth, cell, cells: field.cells(), fraction: DVec2::new(u, v), height, ground, central }
+        let fraction = DVec2::new(u, v);
+        let patch = |i: u32, j: u32| patch_over(field, cell, [i, j], fraction, scale.relief, height);
+        let grounds = [0, 1, 2].map(|j| [0, 1, 2].map(|i| patch(i, j)));
+        Self { depth, cell, cells: field.cells(), fraction, height, grounds, central }
     }
+}
+
+/// Height over `height` of the patch of a cell around `cell` (`beside`: 0, 1 and 2 along each axis, itself the 1), continued
+/// to the place `fraction` of `cell`. Cells beyond the map's border are of no interest; theirs is that of the nearest one.
+fn patch_over(
+    field: &HeightField,
+    cell: [u32; 2],
+    beside: [u32; 2],
+    fraction: DVec2,
+    relief: f64,
+    height: f64,
+) -> f64 {
+    let [i, j] =
+        [0, 1].map(|axis: usize| (cell[axis] + beside[axis]).saturating_sub(1).min(field.cells()[axis] - 1));
+    let corner = |x: u32, y: u32| f64::from(field.sample(i + x, j + y)) * relief - height;
+    let mix = |a: f64, b: f64, t: f64| a + (b - a) * t;
+    let x = fraction.x + f64::from(cell[0]) - f64::from(i);
+    let y = fraction.y + f64::from(cell[1]) - f64::from(j);
+    mix(mix(corner(0, 0), corner(1, 0), x), mix(corner(0, 1), corner(1, 1), x), y)
 }
 
 /// A box lower than this counts its heights in shares of this, so that no f32 overflows.
@@ -131,7 +151,7 @@ pub(super) struct AnchorUniform {
     pub(super) origin_right: Vec3,
     pub(super) beam_shift: f32,
     pub(super) origin_down: Vec3,
-    pub(super) ground: f32,
+    pub(super) padding: f32,
     pub(super) direction: Vec3,
     pub(super) height: f32,
     pub(super) direction_right: Vec3,
@@ -141,9 +161,10 @@ pub(super) struct AnchorUniform {
     pub(super) low: Vec3,
     pub(super) shares_per_unit: f32,
     pub(super) high: Vec3,
-    pub(super) padding: f32,
+    pub(super) more_padding: f32,
     pub(super) cell: [f32; 2],
     pub(super) fraction: [f32; 2],
+    pub(super) grounds: [[f32; 4]; 3],
 }
 
 impl AnchorUniform {
@@ -179,7 +200,7 @@ impl AnchorUniform {
             origin_right: vector(right * anchor.depth),
             beam_shift: (anchor.depth - ray_start(camera, extent)) as f32,
             origin_down: vector(down * anchor.depth),
-            ground: anchor.ground as f32,
+            padding: 0.0,
             direction: vector(basis.forward * per_unit),
             height: anchor.height as f32,
             direction_right: vector(right),
@@ -189,9 +210,10 @@ impl AnchorUniform {
             low: vector(from_anchor(DVec3::ZERO)),
             shares_per_unit: per_unit.y as f32,
             high: vector(from_anchor(DVec3::new(columns, lid * relief, rows))),
-            padding: 0.0,
+            more_padding: 0.0,
             cell: anchor.cell.map(|cell| cell as f32),
             fraction: anchor.fraction.as_vec2().to_array(),
+            grounds: anchor.grounds.map(|[west, own, east]| [west as f32, own as f32, east as f32, 0.0]),
         })
     }
 }

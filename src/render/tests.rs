@@ -106,7 +106,7 @@ fn rust_and_wgsl_agree_on_every_uniform() {
             origin_right,
             beam_shift,
             origin_down,
-            ground,
+            padding,
             direction,
             height,
             direction_right,
@@ -116,9 +116,10 @@ fn rust_and_wgsl_agree_on_every_uniform() {
             low,
             shares_per_unit,
             high,
-            padding,
+            more_padding,
             cell,
             fraction,
+            grounds,
         ]
     );
     let pass = occluder::describe(false);

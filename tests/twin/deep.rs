@@ -61,7 +61,7 @@ impl Zoom {
         errors.sort_by(f64::total_cmp);
         let middle = exact[exact.len() / 2 + SIZE[0] as usize / 2];
         let bound = judged.bound * extent.max_element() / (pixel * middle);
-        Self { judged, errors, stairs: stairs(&probe, &exact), bound }
+        Self { judged, errors, stairs: stairs(&probe, &exact, pixel), bound }
     }
 
     fn quantile(&self, share: f64) -> f64 {
@@ -86,10 +86,13 @@ impl Zoom {
 }
 
 /// Share of the pixels that have the same depth as their right neighbour, although the twin's differ.
-fn stairs(probe: &Probe, exact: &[f64]) -> f64 {
+fn stairs(probe: &Probe, exact: &[f64], pixel: f64) -> f64 {
+    let least = (1e-3 * pixel).max(1e-14);
     let neighbours = (0..exact.len() - 1).filter(|index| (index + 1) % SIZE[0] as usize != 0);
     let differing: Vec<usize> = neighbours
-        .filter(|&index| exact[index].is_finite() && exact[index + 1].is_finite() && exact[index] != exact[index + 1])
+        .filter(|&index| exact[index].is_finite() && exact[index + 1].is_finite())
+        // As far apart as a thousandth of a pixel, and as f64 is sure of.
+        .filter(|&index| (exact[index] - exact[index + 1]).abs() > least * exact[index])
         .collect();
     let same = differing.iter().filter(|&&index| probe.view_depth(index) == probe.view_depth(index + 1)).count();
     same as f64 / differing.len().max(1) as f64

@@ -60,15 +60,13 @@
 //!    entry's place is rounded, u·(t·a + 2c), and l is more than c: 3u·min(l, c) covers the rest.
 //! 3. The patch. The corners' heights over G are differences of f32 numbers, which the shader has as the map has
 //!    them (also where 16 bits hold them): u·H, with H the largest, at most the cell's relief r and the hit's height over G.
-//!    The patch's height at G is nine such terms where it is extrapolated by a cell, its slopes and their products with a
-//!    distance of at most two cells another forty: **100u·(r + H)** up. In the anchor's own cell that height is made in f64, and all the
-//!    rest is multiplied by the distance from G: 100u·(r + H)·min(1, (l + ρ)/c).
+//!    Beside the anchor the patch's height at G is made in f64, and its slopes and products are multiplied by the
+//!    distance from G: with all their terms less than **100u·(r + H)·min(1, (l + ρ)/c)** up. Elsewhere l is more than c.
 //! 4. Up: the product and two sums, 8u·t·a. Along the ray: **6u·l**.
 //!
 //! The sum: across, 4u·(e + ρ) + 6u·t·a + 3u·min(l, c); up, 4u·(e + ρ) + 8u·t·a + 100u·(r + H)·min(1, (l + ρ)/c). Of a picture n
-//! pixels high whose ground is not seen at a grazing angle l and ρ are at most n pixels, and in the anchor's cell all of it is
-//! below 10⁻⁵·n pixels: **a hundredth of a pixel**, at any field of view down to what f64 knows of the camera. In another cell
-//! the patch's height keeps its rounding, the same for all of the picture: an offset, no stairs. Ground that is seen far
+//! pixels high whose ground is not seen at a grazing angle l and ρ are at most n pixels, and all of it is below 10⁻⁵·n pixels:
+//! **a hundredth of a pixel**, at any field of view down to what f64 knows of the camera. Ground that is seen far
 //! behind the anchor, over a silhouette, is rounded by u of its distance from there, as in any view that is not deep.
 //!
 //! With layered craters the corners are sums in f32, and the 12u·h of the ordinary sum come back, again as an offset.
@@ -189,10 +187,8 @@ impl Tolerance {
         let away = (hit - anchor.central).length();
         let side = cell.x.min(cell.z);
         let from_anchor = (away + beside.length()) / side;
-        let within = (hit / cell).floor();
-        let is_own = within.x == f64::from(anchor.cell[0]) && within.z == f64::from(anchor.cell[1]);
         let over = (hit.y - anchor.central.y).abs() + ground.relief;
-        let patch = 100.0 * (ground.relief + over) * if is_own { from_anchor.min(1.0) } else { 1.0 };
+        let patch = 100.0 * (ground.relief + over) * from_anchor.min(1.0);
         let counted = (left + beside) * 4.0
             + direction * beyond * DVec3::new(6.0, 8.0, 6.0)
             + DVec3::new(3.0, 0.0, 3.0) * away.min(side)
