@@ -172,6 +172,7 @@ fn deep_zooms_at_edges_are_exact() {
                     let camera = Camera::look_at(target + from.normalize() * distance, target, fov);
                     let eye = target - camera.basis().forward * distance;
                     let scene = Scene { camera: Some(Camera { eye, ..camera }), ..Scene::default() };
+                    if name == "canyon" && fov == 1e-3 { println!("CAM {what} {number} {:?}", scene.camera); }
                     let zoom = Zoom::of(&mut renderer, &scene, &map);
                     let Judgement { missed, invented, astray, nan, tangent, ratio, .. } = zoom.judged;
                     let wrong = [missed, invented, astray, nan];
