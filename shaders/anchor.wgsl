@@ -1,5 +1,6 @@
 // Deep zooms: the rays of a view whose pixels are finer than f32 resolves the box, counted from an anchor at the ground
-// that is seen (`render/anchor.rs`).
+// that is seen (`render/anchor.rs`). Where some of it lies far behind other there are several of them, and a ray is cast
+// piece by piece, each counted from the nearest.
 //
 // Anchored space counts cells along x and z and shares of the box's height up, all from the anchor; a parameter along a
 // ray is a view depth less the anchor's. Near the anchor all of them are small, and f32 resolves them finely.
@@ -16,7 +17,8 @@ struct Anchor {
     // The anchor's parameter along the rays of `frame`.
     beam_shift: f32,
     origin_down: vec3f,
-    padding: f32,
+    // Parameters between which rays count from this anchor.
+    begin: f32,
     // Direction of the central ray, and its change per pixel.
     direction: vec3f,
     // The anchor's height over the floor.
@@ -32,7 +34,7 @@ struct Anchor {
     // Units of height per world unit.
     shares_per_unit: f32,
     high: vec3f,
-    more_padding: f32,
+    end: f32,
     // The anchor's cell, and where in it the anchor is.
     cell: vec2f,
     fraction: vec2f,
@@ -41,14 +43,17 @@ struct Anchor {
     grounds: array<vec4f, 3>,
 }
 
-@group(1) @binding(14) var<uniform> anchor_uniform: Anchor;
+// The anchors along the view, the nearest first. Those that are not needed have no parameters between begin and end.
+const MOST_ANCHORS: u32 = 4u;
+@group(1) @binding(14) var<uniform> anchors: array<Anchor, 4>;
 
-// A copy: a software rasteriser reads a uniform lane by lane, again in each turn of a loop.
+// The anchor that a fragment's ray counts from. A copy: a software rasteriser reads a uniform lane by lane, again in each
+// turn of a loop.
 var<private> anchor: Anchor;
 
-// Makes the anchor known to a fragment; call it first.
-fn receive() {
-    anchor = anchor_uniform;
+// Makes the anchor with this number known to a fragment; call it first.
+fn receive(index: u32) {
+    anchor = anchors[min(index, MOST_ANCHORS - 1u)];
 }
 
 // The ray through a fragment's centre, in anchored space.
@@ -77,5 +82,5 @@ fn place_at(p: vec2f, cells: vec2f) -> Place {
 // away from, at most one along each axis.
 fn ground_beside_anchor(from_cell: vec2f) -> f32 {
     let index = vec2u(vec2i(1 - vec2i(from_cell)));
-    return anchor_uniform.grounds[min(index.y, 2u)][min(index.x, 2u)];
+    return anchor.grounds[min(index.y, 2u)][min(index.x, 2u)];
 }

@@ -79,8 +79,8 @@ fn vs_main(@builtin(vertex_index) index: u32) -> varyings::Varyings {
 }
 
 struct Fragment {
-    // The picture, linear light; or, for a probe: distance, steps, capped, view depth beyond that at which
-    // rays count.
+    // The picture, linear light; or, for a probe: distance, steps, capped (and twice the number of the anchor), view depth
+    // beyond that from which the ray counts.
     @location(0) color: vec4f,
 #ifndef VIEW_POSITION
     @builtin(frag_depth) depth: f32,
@@ -135,14 +135,29 @@ fn clip_to_box(ray: Ray) -> Span {
     return Span(begin, end, select(3u, axis, outside), ray.direction.y < 0.0 && leave.y == end);
 }
 
+#ifdef DEEP_ZOOM
+// What is met by the piece of the ray that counts from the present anchor.
+fn anchored_hit(ray: Ray, span: Span, beam: vec4f, verticality: f32) -> Hit {
+    // The ground is nowhere below the floor: a ray that comes in through it is in the ground, whatever rounding says.
+    if span.axis == 1u && ray.direction.y > 0.0 {
+        return Hit(span.begin, 1u, 0u);
+    }
+    let shift = anchor::anchor.beam_shift;
+    let from_beam = beam.r - shift - BEAM_SLACK * (abs(beam.r) + abs(shift));
+    let begin = max(max(from_beam, span.begin), anchor::anchor.begin);
+    let end = min(span.end, anchor::anchor.end);
+    return march(Segment(ray.origin, ray.direction, end, verticality, begin, beam.g));
+}
+#endif
+
 @fragment
 fn fs_main(in: varyings::Varyings) -> Fragment {
     varyings::receive(in);
     let ray = pixel_ray(in.position.xy);
 #ifdef DEEP_ZOOM
-    anchor::receive();
-    let anchored = anchor::anchored_ray(in.position.xy);
-    let span = clip_to_box(anchored);
+    anchor::receive(0u);
+    var anchored = anchor::anchored_ray(in.position.xy);
+    var span = clip_to_box(anchored);
 #else
     let span = clip_to_box(ray);
 #endif
@@ -150,10 +165,7 @@ fn fs_main(in: varyings::Varyings) -> Fragment {
         discard;
     }
     let length_of_direction = length(ray.direction);
-#ifdef DEEP_ZOOM
-    let origin = anchored.origin;
-    let direction = anchored.direction;
-#else
+#ifndef DEEP_ZOOM
     let scale = vec3f(terrain.cells_per_unit.x, 1.0, terrain.cells_per_unit.y);
     let inside = terrain.cells;
     var origin = (ray.origin + ray.direction * span.begin) * scale;
@@ -166,10 +178,7 @@ fn fs_main(in: varyings::Varyings) -> Fragment {
 #ifdef BEAM
     let last_tile = vec2i(textureDimensions(beams)) - 1;
     let beam = textureLoad(beams, min(vec2i(in.position.xy) / i32(BEAM_TILE), last_tile), 0);
-#ifdef DEEP_ZOOM
-    let start = beam.r - anchor::anchor.beam_shift - BEAM_SLACK * (abs(beam.r) + abs(anchor::anchor.beam_shift));
-    let segment = Segment(origin, direction, span.end, verticality, max(start, span.begin), beam.g);
-#else
+#ifndef DEEP_ZOOM
     let begin = max(beam.r - span.begin, 0.0);
     let segment = Segment(origin, direction, span.end - span.begin, verticality, begin, beam.g);
 #endif
@@ -181,18 +190,33 @@ fn fs_main(in: varyings::Varyings) -> Fragment {
     var at = hit.at;
 #else
 #ifdef DEEP_ZOOM
-    // The ground is nowhere below the floor: a ray that comes in through it is in the ground, whatever rounding says.
-    var hit = Hit(span.begin, 1u, 0u);
-    if span.axis != 1u || direction.y < 0.0 {
-        hit = march(segment);
+    var hit = anchored_hit(anchored, span, beam, verticality);
+    var index = 1u;
+    while hit.at == NO_HIT && hit.capped == 0u && index < anchor::MOST_ANCHORS {
+        anchor::receive(index);
+        if anchor::anchor.begin > anchor::anchor.end {
+            break;
+        }
+        anchored = anchor::anchored_ray(in.position.xy);
+        span = clip_to_box(anchored);
+        let steps = hit.steps;
+        hit = anchored_hit(anchored, span, beam, verticality);
+        hit.steps += steps;
+        index += 1u;
     }
+    let origin = anchored.origin;
+    let direction = anchored.direction;
 #else
     let hit = march(segment);
 #endif
     var at = hit.at;
     if at == NO_HIT && span.to_floor {
         // The floor is nowhere above the ground: only rounding brings a ray to it without a hit.
+#ifdef DEEP_ZOOM
+        at = span.end;
+#else
         at = segment.end;
+#endif
     }
 #endif
     let missed = at == NO_HIT;
@@ -220,7 +244,11 @@ fn fs_main(in: varyings::Varyings) -> Fragment {
 #endif
 #endif
 #else
+#ifdef DEEP_ZOOM
+        at = span.end;
+#else
         at = segment.end;
+#endif
 #endif
     }
 #ifdef DEEP_ZOOM
@@ -233,7 +261,7 @@ fn fs_main(in: varyings::Varyings) -> Fragment {
 
 #ifdef PROBE
 #ifdef DEEP_ZOOM
-    return Fragment(vec4f(depth * length_of_direction, f32(hit.steps), f32(hit.capped), at), written);
+    return Fragment(vec4f(depth * length_of_direction, f32(hit.steps), f32(hit.capped + 2u * (index - 1u)), at), written);
 #else
     return Fragment(vec4f(depth * length_of_direction, f32(hit.steps), f32(hit.capped), span.begin + at), written);
 #endif

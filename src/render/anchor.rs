@@ -33,6 +33,15 @@ const DEEP: f64 = 1.0 / (1u32 << 18) as f64;
 /// Parts of a cell that the anchor's fraction counts in.
 const FRACTIONS: f64 = (1u32 << 22) as f64;
 
+/// Most anchors of a view.
+pub(super) const MOST_ANCHORS: usize = 4;
+
+/// Roundings of a distance from an anchor, as a share of it.
+const ROUNDINGS: f64 = 8.0 / (1u32 << 24) as f64;
+
+/// Share of a pixel's width that these may be without another anchor.
+const WELL_RESOLVED: f64 = 0.01;
+
 /// Where in the picture the ground is looked for: the centre first, then a grid of so many points each way.
 const GRID: u32 = 5;
 
@@ -68,21 +77,39 @@ pub(crate) struct Anchor {
 }
 
 impl Anchor {
-    /// The anchor of `camera`'s view of `field`, in a box of the size `extent`: where the central ray meets the ground, or
-    /// else the nearest of some rays across the picture. Where none of them does it is where the central ray comes
-    /// nearest to the box.
-    pub(super) fn find(camera: &Camera, size: [u32; 2], extent: DVec3, field: &HeightField) -> Self {
+    /// The anchors of `camera`'s view of `field`, in a box of the size `extent`, the nearest first: one where the central ray
+    /// meets the ground, or else the nearest of some rays across the picture, and others where those meet ground so far
+    /// from it that its pixels are finer than a rounding there. Where none of them meets any there is one beside the
+    /// middle of the box.
+    pub(super) fn find(camera: &Camera, size: [u32; 2], extent: DVec3, field: &HeightField) -> Vec<Self> {
         let surface = Surface::new(field, extent);
-        let hit = |x: f64, y: f64| {
+        let hit = |(x, y): (f64, f64)| {
             let [width, height] = size.map(f64::from);
             surface.intersect(&camera.ray(x * width, y * height, size)).map(|hit| hit.depth)
         };
         let share = |index: u32| (f64::from(index) + 0.5) / f64::from(GRID);
-        let grid = || (0..GRID).flat_map(|row| (0..GRID).map(move |column| (share(column), share(row))));
-        let depth = hit(0.5, 0.5)
-            .or_else(|| grid().filter_map(|(x, y)| hit(x, y)).min_by(f64::total_cmp))
+        let grid = (0..GRID).flat_map(|row| (0..GRID).map(move |column| (share(column), share(row))));
+        let seen: Vec<f64> = grid.filter_map(hit).collect();
+        let first = hit((0.5, 0.5))
+            .or_else(|| seen.iter().copied().min_by(f64::total_cmp))
             .unwrap_or_else(|| camera.basis().forward.dot(extent * 0.5 - camera.eye).max(0.0));
-        Self::at(camera, extent, field, depth)
+        let pixel = camera.pixel_size(size[1]);
+        let mut depths = vec![first];
+        while depths.len() < MOST_ANCHORS {
+            // How far a depth is from the nearest anchor, over how far it may.
+            let need = |at: f64| {
+                let away = depths.iter().map(|depth| (at - depth).abs()).fold(f64::INFINITY, f64::min);
+                away * ROUNDINGS / (WELL_RESOLVED * pixel * at)
+            };
+            let Some(&worst) = seen.iter().max_by(|a, b| need(**a).total_cmp(&need(**b))) else { break };
+            // An eye on the ground: 0 from it on is as near as can be.
+            if !(need(worst) > 1.0) {
+                break;
+            }
+            depths.push(worst);
+        }
+        depths.sort_by(f64::total_cmp);
+        depths.into_iter().map(|depth| Self::at(camera, extent, field, depth)).collect()
     }
 
     /// The anchor on the central ray at a view depth, or the nearest place over the map.
@@ -151,7 +178,7 @@ pub(super) struct AnchorUniform {
     pub(super) origin_right: Vec3,
     pub(super) beam_shift: f32,
     pub(super) origin_down: Vec3,
-    pub(super) padding: f32,
+    pub(super) begin: f32,
     pub(super) direction: Vec3,
     pub(super) height: f32,
     pub(super) direction_right: Vec3,
@@ -161,22 +188,48 @@ pub(super) struct AnchorUniform {
     pub(super) low: Vec3,
     pub(super) shares_per_unit: f32,
     pub(super) high: Vec3,
-    pub(super) more_padding: f32,
+    pub(super) end: f32,
     pub(super) cell: [f32; 2],
     pub(super) fraction: [f32; 2],
     pub(super) grounds: [[f32; 4]; 3],
 }
 
+/// Parameter that no ray reaches.
+const FOR_EVER: f64 = 1e29;
+
 impl AnchorUniform {
-    /// The rays of `camera` through a picture of `size` pixels, counted from `anchor`. `extent` is the size of the box, and
-    /// `lid` the share of its height in which the rays are of interest.
-    pub(super) fn new(
+    /// The rays of `camera` through a picture of `size` pixels, each piece counted from the nearest of `anchors`, of which
+    /// there is at least one. `extent` is the size of the box, and `lid` the share of its height in which the rays are of
+    /// interest.
+    pub(super) fn all(
+        anchors: &[Anchor],
+        camera: &Camera,
+        size: [u32; 2],
+        extent: DVec3,
+        ground: &Ground,
+        lid: f64,
+    ) -> [Self; MOST_ANCHORS] {
+        // Without a length, where there is no such anchor.
+        let mut all = [Self { begin: 1.0, ..Self::zeroed() }; MOST_ANCHORS];
+        for (index, (uniform, anchor)) in all.iter_mut().zip(anchors).enumerate() {
+            let middle = |other: Option<&Anchor>| other.map(|other| 0.5 * (anchor.depth + other.depth));
+            let begin = middle(index.checked_sub(1).and_then(|before| anchors.get(before)));
+            let end = middle(anchors.get(index + 1));
+            let piece = [begin.unwrap_or(f64::NEG_INFINITY), end.unwrap_or(f64::INFINITY)];
+            *uniform = Self::new(anchor, camera, size, extent, ground, lid, piece);
+        }
+        all
+    }
+
+    #[expect(clippy::too_many_arguments, reason = "a uniform is made of all that the shader is to know")]
+    fn new(
         anchor: &Anchor,
         camera: &Camera,
         size: [u32; 2],
         extent: DVec3,
         ground: &Ground,
         lid: f64,
+        [begin, end]: [f64; 2],
     ) -> Self {
         let field = ground.terrain().field();
         let GridScale { per_unit, relief } = GridScale::new(field, extent);
@@ -194,13 +247,18 @@ impl AnchorUniform {
             )
         };
         let vector = |vector: DVec3| vector.as_vec3();
+        // A little more on either side, so that rounding leaves no gap between pieces.
+        let parameter = |depth: f64, sign: f64| {
+            let counted = depth - anchor.depth;
+            (counted + sign * counted.abs() * 1e-6).clamp(-FOR_EVER, FOR_EVER) as f32
+        };
         without_subnormals(Self {
             origin: vector(from_anchor(anchor.central * per_unit)),
             depth: anchor.depth as f32,
             origin_right: vector(right * anchor.depth),
             beam_shift: (anchor.depth - ray_start(camera, extent)) as f32,
             origin_down: vector(down * anchor.depth),
-            padding: 0.0,
+            begin: parameter(begin, -1.0),
             direction: vector(basis.forward * per_unit),
             height: anchor.height as f32,
             direction_right: vector(right),
@@ -210,7 +268,7 @@ impl AnchorUniform {
             low: vector(from_anchor(DVec3::ZERO)),
             shares_per_unit: per_unit.y as f32,
             high: vector(from_anchor(DVec3::new(columns, lid * relief, rows))),
-            more_padding: 0.0,
+            end: parameter(end, 1.0),
             cell: anchor.cell.map(|cell| cell as f32),
             fraction: anchor.fraction.as_vec2().to_array(),
             grounds: anchor.grounds.map(|[west, own, east]| [west as f32, own as f32, east as f32, 0.0]),

@@ -47,8 +47,8 @@ pub(super) struct Passes {
     pub(super) exact: Option<Draw>,
     /// Draws of the scene's pass, in their order.
     pub(super) draws: Vec<Draw>,
-    /// What the rays of the exact technique count from, in a deep zoom.
-    pub(super) anchor: Option<Anchor>,
+    /// What the rays of the exact technique count from, in a deep zoom; else empty.
+    pub(super) anchors: Vec<Anchor>,
 }
 
 /// What a frame is drawn for.
@@ -104,7 +104,7 @@ impl Renderer {
         self.frame.write(&self.gpu, &frame);
         self.prepare_beams(&view, size, beamed.is_some());
         let anchored = terrains.iter().map(|(_, key)| key).chain(&exact).any(|key| key.deep);
-        let anchor = if anchored { self.prepare_anchor(scene, &view, size) } else { None };
+        let anchors = if anchored { self.prepare_anchors(scene, &view, size) } else { Vec::new() };
 
         let mut draws = Vec::new();
         for (side, key) in terrains {
@@ -132,17 +132,17 @@ impl Renderer {
             let group = skybox.group(&self.gpu, &built);
             draws.push(Draw { name: "skybox", built, group, edges: false, area: whole });
         }
-        Ok(Passes { beam, exact, draws, anchor })
+        Ok(Passes { beam, exact, draws, anchors })
     }
 
     /// Finds what the rays of a deep zoom count from, and hands it to the terrain pass.
-    fn prepare_anchor(&self, scene: &Scene, view: &View, size: [u32; 2]) -> Option<Anchor> {
-        let ground = self.ground.as_ref()?;
-        let anchor = Anchor::find(&view.camera, size, view.extent, ground.terrain().field());
+    fn prepare_anchors(&self, scene: &Scene, view: &View, size: [u32; 2]) -> Vec<Anchor> {
+        let Some(ground) = &self.ground else { return Vec::new() };
+        let anchors = Anchor::find(&view.camera, size, view.extent, ground.terrain().field());
         let lid = if scene.march.lower_start { f64::from(ground.highest()) } else { 1.0 };
-        let uniform = AnchorUniform::new(&anchor, &view.camera, size, view.extent, ground, lid);
-        self.terrain.write_anchor(&self.gpu, &uniform);
-        Some(anchor)
+        let uniforms = AnchorUniform::all(&anchors, &view.camera, size, view.extent, ground, lid);
+        self.terrain.write_anchors(&self.gpu, &uniforms);
+        anchors
     }
 
     /// Keeps the texture of exact distances while the error view needs one of its own; what has to be drawn into it.

@@ -13,13 +13,15 @@ pub struct Probe {
     pub size: [u32; 2],
     /// Distance from the eye to the first hit (terrain or occluder) in world units, +inf for sky; row 0 at the top.
     pub distance: Vec<f32>,
-    /// Where a pixel shows terrain, the view depth of its hit less that at which rays begin to count (`start`): from a
+    /// Where a pixel shows terrain, the view depth of its hit less that from which its ray counts (`starts`): from a
     /// million box lengths away an f32 distance says little about where on the map a hit is, this does.
     pub(crate) beyond_start: Vec<f32>,
-    /// View depth from which the terrain's rays count, known in f64.
-    pub(crate) start: f64,
-    /// What they count from, where the view is a deep zoom.
-    pub(crate) anchor: Option<Anchor>,
+    /// View depths from which the terrain's rays count, known in f64.
+    pub(crate) starts: Vec<f64>,
+    /// Which of them a pixel's ray counts from; empty where there is only one.
+    pub(crate) counted_from: Vec<u8>,
+    /// What is at those depths, where the view is a deep zoom.
+    pub(crate) anchors: Vec<Anchor>,
     /// Steps of each ray; 0 where no ray was cast or the occluder hides it.
     pub steps: Vec<u32>,
     /// Rays that the step cap ended.
@@ -32,7 +34,13 @@ impl Probe {
     /// zoom apart.
     pub fn view_depth(&self, pixel: usize) -> Option<f64> {
         let beyond = self.beyond_start.get(pixel).filter(|_| self.steps.get(pixel).is_some_and(|&steps| steps > 0))?;
-        self.distance.get(pixel)?.is_finite().then(|| self.start + f64::from(*beyond))
+        self.distance.get(pixel)?.is_finite().then(|| self.start(pixel) + f64::from(*beyond))
+    }
+
+    /// View depth from which the ray of a pixel counts.
+    pub(crate) fn start(&self, pixel: usize) -> f64 {
+        let number = self.counted_from.get(pixel).copied().unwrap_or(0);
+        self.starts.get(usize::from(number)).copied().unwrap_or(0.0)
     }
 
     /// Mean and maximum of the steps over the rays that were cast.
@@ -86,14 +94,24 @@ impl Renderer {
         }
         self.gpu.queue.submit([encoder.finish()]);
         let texels: Vec<[f32; 4]> = bytemuck::pod_collect_to_vec(&read_texture(&self.gpu, &color)?);
+        let anchors = passes.anchors;
         Ok(Probe {
             size,
             distance: texels.iter().map(|texel| if texel[0] < 0.0 { f32::INFINITY } else { texel[0] }).collect(),
             beyond_start: texels.iter().map(|texel| texel[3]).collect(),
-            start: passes.anchor.map_or_else(|| ray_start(&camera, extent), |anchor| anchor.depth),
-            anchor: passes.anchor,
+            starts: if anchors.is_empty() {
+                vec![ray_start(&camera, extent)]
+            } else {
+                anchors.iter().map(|anchor| anchor.depth).collect()
+            },
+            counted_from: if anchors.len() > 1 {
+                texels.iter().map(|texel| texel[2] as u8 >> 1).collect()
+            } else {
+                Vec::new()
+            },
+            anchors,
             steps: texels.iter().map(|texel| texel[1] as u32).collect(),
-            cap_hits: texels.iter().filter(|texel| texel[2] > 0.0).count() as u32,
+            cap_hits: texels.iter().filter(|texel| texel[2] as u8 & 1 == 1).count() as u32,
         })
     }
 }

@@ -5,7 +5,7 @@ use glam::{DMat4, DVec3, DVec4};
 use crate::camera::Camera;
 use crate::gpu::Gpu;
 
-use super::anchor::AnchorUniform;
+use super::anchor::{AnchorUniform, MOST_ANCHORS};
 use super::beam::Beams;
 use super::cube::corner;
 use super::drape::Drape;
@@ -61,7 +61,7 @@ pub(super) fn describe(key: TerrainKey) -> PassDescription {
         bindings.push(texture_entry(EXACT_DISTANCES, false, false));
     }
     if key.deep {
-        bindings.push(uniform_entry::<AnchorUniform>(ANCHOR));
+        bindings.push(uniform_entry::<[AnchorUniform; MOST_ANCHORS]>(ANCHOR));
     }
     if filtered {
         bindings.push(sampler_entry(2));
@@ -144,7 +144,7 @@ pub(super) struct Textures<'a> {
 #[derive(Debug)]
 pub(super) struct TerrainBindings {
     buffer: wgpu::Buffer,
-    anchor: wgpu::Buffer,
+    anchors: wgpu::Buffer,
     corner_sampler: wgpu::Sampler,
     height_sampler: wgpu::Sampler,
     /// For a texture that covers the terrain once: its last texels must not mix with the first.
@@ -167,7 +167,7 @@ impl TerrainBindings {
         };
         Self {
             buffer: uniform_buffer::<TerrainUniform>(gpu, "terrain"),
-            anchor: uniform_buffer::<AnchorUniform>(gpu, "anchor"),
+            anchors: uniform_buffer::<[AnchorUniform; MOST_ANCHORS]>(gpu, "anchors"),
             corner_sampler: gpu
                 .device
                 .create_sampler(&wgpu::SamplerDescriptor { label: Some("corners of cells"), ..Default::default() }),
@@ -178,8 +178,8 @@ impl TerrainBindings {
     }
 
     /// Writes what deep zooms count from.
-    pub(super) fn write_anchor(&self, gpu: &Gpu, anchor: &AnchorUniform) {
-        gpu.queue.write_buffer(&self.anchor, 0, bytemuck::bytes_of(anchor));
+    pub(super) fn write_anchors(&self, gpu: &Gpu, anchors: &[AnchorUniform; MOST_ANCHORS]) {
+        gpu.queue.write_buffer(&self.anchors, 0, bytemuck::bytes_of(anchors));
     }
 
     /// Writes the uniform and makes the bind group of `built`; `None` where a texture it needs is missing.
@@ -202,7 +202,7 @@ impl TerrainBindings {
             entries.push((EXACT_DISTANCES, view(exact?)));
         }
         if key.deep {
-            entries.push((ANCHOR, self.anchor.as_entire_binding()));
+            entries.push((ANCHOR, self.anchors.as_entire_binding()));
         }
         if key.reads_heights() {
             entries.extend([(1, view(ground.heights())), (7, wgpu::BindingResource::Sampler(&self.corner_sampler))]);

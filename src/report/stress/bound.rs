@@ -66,8 +66,9 @@
 //!
 //! The sum: across, 4u·(e + ρ) + 6u·t·a + 3u·min(l, c); up, 4u·(e + ρ) + 8u·t·a + 100u·(r + H)·min(1, (l + ρ)/c). Of a picture n
 //! pixels high whose ground is not seen at a grazing angle l and ρ are at most n pixels, and all of it is below 10⁻⁵·n pixels:
-//! **a hundredth of a pixel**, at any field of view down to what f64 knows of the camera. Ground that is seen far
-//! behind the anchor, over a silhouette, is rounded by u of its distance from there, as in any view that is not deep.
+//! **a hundredth of a pixel**, at any field of view down to what f64 knows of the camera. Ground that is seen
+//! far behind, over a silhouette, has an anchor of its own, of up to four, and the ray is cast in pieces that count from the
+//! nearest. Where depths are spread more than that they are rounded by u of the distance to it, as in any other view.
 //!
 //! With layered craters the corners are sums in f32, and the 12u·h of the ordinary sum come back, again as an offset.
 
@@ -145,7 +146,7 @@ impl Tolerance {
         pixel: [u32; 2],
         distance: f64,
         ground: &Ground,
-        anchor: Option<&Anchor>,
+        anchors: &[Anchor],
     ) -> Self {
         let basis = camera.basis();
         let offset = |axis: usize| (f64::from(pixel[axis]) + 0.5 - f64::from(size[axis]) * 0.5).abs();
@@ -154,7 +155,8 @@ impl Tolerance {
         let reference = ROUNDING_OF_REFERENCE * (camera.eye.abs().max_element() + distance);
         let ray = camera.ray(f64::from(pixel[0]) + 0.5, f64::from(pixel[1]) + 0.5, size);
         let length = ray.direction.length();
-        if let Some(anchor) = anchor {
+        let away = |anchor: &&Anchor| (anchor.depth - distance / length).abs();
+        if let Some(anchor) = anchors.iter().min_by(|a, b| away(a).total_cmp(&away(b))) {
             let hit = ray.origin + ray.direction * (distance / length);
             let own = Self::anchored(anchor, extent, beside, basis.forward.abs() + beside, hit, distance / length, ground);
             let displacement = own.displacement + DVec3::splat(reference);

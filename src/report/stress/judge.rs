@@ -20,10 +20,8 @@ pub(super) struct Judge<'a> {
     pub(super) size: [u32; 2],
     /// Side of a cell, world units.
     pub(super) cell: f64,
-    /// View depth from which the rays count.
-    pub(super) start: f64,
-    /// What they count from, in a deep zoom.
-    pub(super) anchor: Option<Anchor>,
+    /// What the rays count from, in a deep zoom.
+    pub(super) anchors: &'a [Anchor],
 }
 
 /// One pixel to be judged.
@@ -35,6 +33,8 @@ pub(super) struct Pixel {
     /// The technique's, and what the probe says of it beyond the start of the rays.
     pub(super) distance: f32,
     pub(super) beyond_start: f32,
+    /// View depth of that start.
+    pub(super) start: f64,
 }
 
 /// How far a point lies off what it should be on.
@@ -105,7 +105,7 @@ impl Judge<'_> {
             if !distance.is_finite() {
                 return self.pixel(&surface, pixel, of.expected, distance);
             }
-            let precise = (self.start + f64::from(of.beyond_start)) * self.ray(pixel, 0.0, 0.0).direction.length();
+            let precise = (of.start + f64::from(of.beyond_start)) * self.ray(pixel, 0.0, 0.0).direction.length();
             let mut judged = self.pixel(&surface, pixel, of.expected, precise);
             let rounded = (distance - precise).abs() / Tolerance::of_distance(precise.abs());
             if rounded > 1.0 {
@@ -225,7 +225,7 @@ impl Judge<'_> {
     }
 
     fn tolerance(&self, pixel: [u32; 2], distance: f64, ground: &Ground) -> Tolerance {
-        Tolerance::of(self.camera, self.extent, self.size, pixel, distance, ground, self.anchor.as_ref())
+        Tolerance::of(self.camera, self.extent, self.size, pixel, distance, ground, self.anchors)
     }
 
     /// Rays displaced by a share of the tolerance, along the axes and to the corners; with `band` also those of the tangency band.

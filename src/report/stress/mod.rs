@@ -361,11 +361,11 @@ impl Stage<'_> {
             expected,
             distance,
             beyond_start,
+            start: probe.start(at * stride),
         };
         let pixels: Vec<_> = reference.iter().zip(found).enumerate().map(pixel).collect();
         let &Self { field, extent, ref camera, size, cell } = self;
-        let &Probe { start, anchor, .. } = probe;
-        Judge { field, extent, camera, size, cell, start, anchor }.judge(&pixels)
+        Judge { field, extent, camera, size, cell, anchors: &probe.anchors }.judge(&pixels)
     }
 }
 
