@@ -102,11 +102,12 @@ impl Anchor {
                 away * ROUNDINGS / (WELL_RESOLVED * pixel * at)
             };
             let Some(&worst) = seen.iter().max_by(|a, b| need(**a).total_cmp(&need(**b))) else { break };
-            // An eye on the ground: 0 from it on is as near as can be.
-            if !(need(worst) > 1.0) {
+            // Of an eye on the ground, 0 over 0, there is no need.
+            if need(worst) > 1.0 {
+                depths.push(worst);
+            } else {
                 break;
             }
-            depths.push(worst);
         }
         depths.sort_by(f64::total_cmp);
         depths.into_iter().map(|depth| Self::at(camera, extent, field, depth)).collect()
@@ -134,16 +135,8 @@ impl Anchor {
 
 /// Height over `height` of the patch of a cell around `cell` (`beside`: 0, 1 and 2 along each axis, itself the 1), continued
 /// to the place `fraction` of `cell`. Cells beyond the map's border are of no interest; theirs is that of the nearest one.
-fn patch_over(
-    field: &HeightField,
-    cell: [u32; 2],
-    beside: [u32; 2],
-    fraction: DVec2,
-    relief: f64,
-    height: f64,
-) -> f64 {
-    let [i, j] =
-        [0, 1].map(|axis: usize| (cell[axis] + beside[axis]).saturating_sub(1).min(field.cells()[axis] - 1));
+fn patch_over(field: &HeightField, cell: [u32; 2], beside: [u32; 2], fraction: DVec2, relief: f64, height: f64) -> f64 {
+    let [i, j] = [0, 1].map(|axis: usize| (cell[axis] + beside[axis]).saturating_sub(1).min(field.cells()[axis] - 1));
     let corner = |x: u32, y: u32| f64::from(field.sample(i + x, j + y)) * relief - height;
     let mix = |a: f64, b: f64, t: f64| a + (b - a) * t;
     let x = fraction.x + f64::from(cell[0]) - f64::from(i);
@@ -221,7 +214,6 @@ impl AnchorUniform {
         all
     }
 
-    #[expect(clippy::too_many_arguments, reason = "a uniform is made of all that the shader is to know")]
     fn new(
         anchor: &Anchor,
         camera: &Camera,
@@ -240,11 +232,7 @@ impl AnchorUniform {
         let [column, row] = anchor.cell.map(f64::from);
         // Whole cells first: the differences are exact.
         let from_anchor = |point: DVec3| {
-            DVec3::new(
-                point.x - column - anchor.fraction.x,
-                point.y - anchor.height,
-                point.z - row - anchor.fraction.y,
-            )
+            DVec3::new(point.x - column - anchor.fraction.x, point.y - anchor.height, point.z - row - anchor.fraction.y)
         };
         let vector = |vector: DVec3| vector.as_vec3();
         // A little more on either side, so that rounding leaves no gap between pieces.

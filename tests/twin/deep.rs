@@ -9,8 +9,8 @@ use relief::render::{Probe, Renderer};
 use relief::report::stress::{self, Judgement};
 use relief::scene::{CraterMode, Scene, Technique};
 
-use super::common::{canyon, craters, fractal, picture, renderer};
 use super::DVec3;
+use super::common::{canyon, craters, fractal, picture, renderer};
 
 /// Size of the pictures.
 const SIZE: [u32; 2] = [96, 72];

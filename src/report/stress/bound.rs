@@ -158,7 +158,8 @@ impl Tolerance {
         let away = |anchor: &&Anchor| (anchor.depth - distance / length).abs();
         if let Some(anchor) = anchors.iter().min_by(|a, b| away(a).total_cmp(&away(b))) {
             let hit = ray.origin + ray.direction * (distance / length);
-            let own = Self::anchored(anchor, extent, beside, basis.forward.abs() + beside, hit, distance / length, ground);
+            let own =
+                Self::anchored(anchor, extent, beside, basis.forward.abs() + beside, hit, distance / length, ground);
             let displacement = own.displacement + DVec3::splat(reference);
             return Self { displacement, along: own.along + reference };
         }

@@ -1,8 +1,8 @@
 use super::super::terrains::Terrain;
 use super::super::views::View;
 use super::*;
-use crate::render::ray_start;
 use crate::camera::NamedView;
+use crate::render::ray_start;
 
 const SIZE: [u32; 2] = [48, 32];
 
