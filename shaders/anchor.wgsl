@@ -56,6 +56,12 @@ fn receive(index: u32) {
     anchor = anchors[min(index, MOST_ANCHORS - 1u)];
 }
 
+// Whether rays count from the anchor with this number, too.
+fn is_needed(index: u32) -> bool {
+    let last = min(index, MOST_ANCHORS - 1u);
+    return anchors[last].begin <= anchors[last].end;
+}
+
 // The ray through a fragment's centre, in anchored space.
 fn anchored_ray(position: vec2f) -> Ray {
     let offset = position - vec2f(frame.centre_x, frame.centre_y);

@@ -190,19 +190,22 @@ fn fs_main(in: varyings::Varyings) -> Fragment {
     var at = hit.at;
 #else
 #ifdef DEEP_ZOOM
-    var hit = anchored_hit(anchored, span, beam, verticality);
-    var index = 1u;
-    while hit.at == NO_HIT && hit.capped == 0u && index < anchor::MOST_ANCHORS {
-        anchor::receive(index);
-        if anchor::anchor.begin > anchor::anchor.end {
+    var hit = Hit(NO_HIT, 0u, 0u);
+    var turn = 0u;
+    var counted_from = 0u;
+    while turn < anchor::MOST_ANCHORS {
+        let index = turn;
+        turn += 1u;
+        if hit.at != NO_HIT || hit.capped != 0u || !anchor::is_needed(index) {
             break;
         }
+        counted_from = index;
+        anchor::receive(index);
         anchored = anchor::anchored_ray(in.position.xy);
         span = clip_to_box(anchored);
         let steps = hit.steps;
         hit = anchored_hit(anchored, span, beam, verticality);
         hit.steps += steps;
-        index += 1u;
     }
     let origin = anchored.origin;
     let direction = anchored.direction;
@@ -261,7 +264,7 @@ fn fs_main(in: varyings::Varyings) -> Fragment {
 
 #ifdef PROBE
 #ifdef DEEP_ZOOM
-    return Fragment(vec4f(depth * length_of_direction, f32(hit.steps), f32(hit.capped + 2u * (index - 1u)), at), written);
+    return Fragment(vec4f(depth * length_of_direction, f32(hit.steps), f32(hit.capped + 2u * counted_from), at), written);
 #else
     return Fragment(vec4f(depth * length_of_direction, f32(hit.steps), f32(hit.capped), span.begin + at), written);
 #endif
