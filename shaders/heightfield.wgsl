@@ -148,7 +148,12 @@ struct Segment {
 }
 
 // The parameter of a ray that meets nothing.
+#ifdef DEEP_ZOOM
+// Parameters count from the anchor there, and may be negative.
+const NO_HIT: f32 = 1e30;
+#else
 const NO_HIT: f32 = -1.0;
+#endif
 
 struct Hit {
     // Parameter along the segment, or NO_HIT.

@@ -34,6 +34,18 @@ fn level_place(size: f32) -> vec2f {
     return terrain.pyramid_stack * (1.0 - 2.0 * reciprocal_of_power(size));
 }
 
+// Highest ground of the node held there, as the texture holds it.
+fn stored_height(place: vec2f) -> f32 {
+    // Sampled at a texel's centre: a sampler's address costs less than that of a load, which can have any mip.
+    return textureSampleLevel(pyramid, corner_sampler, place, 0.0).r;
+}
+
+// Highest ground of the node (column and row) of `size` cells, at least 2; world units.
+fn node_height(node: vec2f, size: f32) -> f32 {
+    return stored_height((level_place(size) + node + 0.5) * terrain.pyramid_texel) * terrain.height_unit
+        + terrain.layer_rise;
+}
+
 // Highest ground of the 2 × 2 nodes of `size` cells whose first (column and row) is `first`, from −1 to the last one;
 // world units. In place of nodes beyond the level's border come some others, which can only raise the result.
 fn height_of_four(first: vec2f, size: f32) -> f32 {
@@ -115,12 +127,6 @@ fn places_on(course: Course) -> Places {
 // The place of the node of `size` cells, at least 2, with these walls ahead.
 fn place_of(places: Places, wall: vec2f, size: f32) -> vec2f {
     return places.base + places.along * wall - places.fold * reciprocal_of_power(size);
-}
-
-// Highest ground of the node held there, as the texture holds it.
-fn stored_height(place: vec2f) -> f32 {
-    // Sampled at a texel's centre: a sampler's address costs less than that of a load, which can have any mip.
-    return textureSampleLevel(pyramid, corner_sampler, place, 0.0).r;
 }
 
 // The walk in the node behind the nearer wall, at `leave`; `through_x` says which. Where that wall is one of the node's

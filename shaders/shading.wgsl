@@ -26,9 +26,14 @@ fn smoothing_weights(f: f32) -> vec4f {
 // Normal of the ground at the grid position `p`, world space: the Sobel gradients of the four samples around it,
 // interpolated, so that it is continuous although the patches have creases. The operator is separable, and so is the
 // interpolation: both together are one weight for each row and column of the 4×4 samples around the cell.
+#ifdef DEEP_ZOOM
+// Here at the fraction `f` of the way across `cell`.
+fn normal_in_cell(cell: vec2f, f: vec2f) -> vec3f {
+#else
 fn ground_normal(p: vec2f) -> vec3f {
     let cell = clamp(floor(p), vec2f(0.0), terrain.cells - 1.0);
     let f = p - cell;
+#endif
     let north_west = cell_corners(cell - 1.0);
     let north_east = cell_corners(cell + vec2f(1.0, -1.0));
     let south_west = cell_corners(cell + vec2f(-1.0, 1.0));

@@ -288,7 +288,16 @@ mod tests {
             (0..70 * 50u16).map(|i| if i % 3 == 0 { f32::INFINITY } else { f32::from(i) * 0.1 }).collect();
         let zeros = vec![0.0; distance.len()];
         let steps = vec![0; distance.len()];
-        let probe = Probe { size: [70, 50], steps, distance, beyond_start: zeros, cap_hits: 0 };
+        let probe = Probe {
+            size: [70, 50],
+            steps,
+            distance,
+            beyond_start: zeros,
+            cap_hits: 0,
+            starts: vec![0.0],
+            counted_from: vec![],
+            anchors: vec![],
+        };
         let bytes = exr_of(&probe).unwrap();
         assert_eq!(bytes, exr_of(&probe).unwrap(), "the same bytes again");
         let image = exr::prelude::read()

@@ -3,6 +3,7 @@
 //! A frame draws the same unit cube for the terrain, its wireframe, the occluder and, last, the skybox. What is off or
 //! out of view has no pass, no texture and no instruction; the [`Ledger`] tells.
 
+mod anchor;
 #[cfg(test)]
 mod bad_numbers_tests;
 mod beam;
@@ -28,6 +29,8 @@ mod sky_map;
 mod skybox;
 mod split;
 mod terrain;
+mod terrain_key;
+mod terrain_uniform;
 #[cfg(test)]
 mod tests;
 mod wireframe;
@@ -45,6 +48,7 @@ pub use heat_map::{COVERS_SKY, ERROR_DECADES, SEE_THROUGH, SKY_BOTH, error_colou
 pub use ledger::{Ledger, TextureEntry};
 pub use probe::Probe;
 
+pub(crate) use anchor::Anchor;
 use beam::{Beams, Tiles};
 use cube::Cube;
 use distances::ExactDistances;

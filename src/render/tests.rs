@@ -5,6 +5,7 @@ use std::mem::offset_of;
 
 use glam::{DVec2, DVec3, DVec4};
 
+use super::anchor::AnchorUniform;
 use super::cube::{clip_corners, in_view};
 use super::frame::FrameUniform;
 use super::occluder::CubeUniform;
@@ -91,6 +92,34 @@ fn rust_and_wgsl_agree_on_every_uniform() {
             height_unit,
             sun,
             ambient,
+        ]
+    );
+    let pass = terrain::describe(key.in_a_deep_zoom(true));
+    let module = sources().compose(pass.file, &pass.modules, &pass.defs).unwrap();
+    assert_layout!(
+        &module,
+        "Anchor",
+        AnchorUniform,
+        [
+            origin,
+            depth,
+            origin_right,
+            beam_shift,
+            origin_down,
+            begin,
+            direction,
+            height,
+            direction_right,
+            units,
+            direction_down,
+            relief,
+            low,
+            shares_per_unit,
+            high,
+            end,
+            cell,
+            fraction,
+            grounds,
         ]
     );
     let pass = occluder::describe(false);
@@ -247,6 +276,8 @@ fn hard_views(extent: DVec3) -> Vec<Camera> {
         look([0.5, 0.05, 0.5], [0.9, 0.4, 0.6], 70.0),
         look([300.0, 200.0, 500.0], [0.5, 0.5, 0.5], 0.15),
         look([0.5, 60.0, 30.0], [0.5, 0.5, 0.5], 12.0),
+        look([1.3, 1.2, 1.5], [0.45, 0.2, 0.4], 0.01),
+        look([-0.5, 0.9, 0.5], [0.7, 0.45, 0.5], 0.001),
     ]
 }
 
