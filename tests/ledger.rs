@@ -138,7 +138,7 @@ fn the_defaults_cost_what_they_show() {
     let ledger = frame(&mut renderer, &start());
     print("defaults", &ledger);
     assert_eq!(ledger.passes, ["coarse beam", "beam", "terrain", "skybox"]);
-    assert_eq!(ledger.draws, 3);
+    assert_eq!(ledger.draws, 4);
     assert_eq!(textures(&ledger), ["heights", "pyramid", "diffuse", "sky", "coarse beam", "beam", "picture", "depth"]);
     for def in ["SHADED", "LIGHTING", "SURFACE_NORMAL", "DIFFUSE_TEXTURE", "LOWER_START", "DISCARD_MISSES"] {
         assert!(has_def(&ledger, def), "{def}");
@@ -322,15 +322,15 @@ fn pipelines_are_built_on_first_use_and_kept() {
     let mut dark = start();
     dark.lighting.enabled = false;
     assert_eq!(frame(&mut renderer, &lit).pipelines.len(), 4, "two beams, terrain and skybox");
-    assert_eq!(frame(&mut renderer, &dark).pipelines.len(), 4);
-    assert_eq!(frame(&mut renderer, &lit).pipelines.len(), 4, "back to one that is there");
+    assert_eq!(frame(&mut renderer, &dark).pipelines.len(), 5);
+    assert_eq!(frame(&mut renderer, &lit).pipelines.len(), 5, "back to one that is there");
     // Numbers are not compiled in, and neither is what the technique does not use.
     lit.lighting.ambient = 0.5;
     lit.march.samples_max = 100;
     lit.march.steps_by_angle = false;
     lit.terrain.height_scale = Some(0.3);
     lit.craters.list = vec![Crater { x: 0.5, z: 0.5, radius: 0.1, depth: 0.1, rim: 0.0 }];
-    assert_eq!(frame(&mut renderer, &lit).pipelines.len(), 4);
+    assert_eq!(frame(&mut renderer, &lit).pipelines.len(), 5);
 }
 
 /// The exact distances that the error view compares with cost a pass and a texture, and only that view has them.
@@ -345,7 +345,7 @@ fn the_error_view_pays_for_its_exact_distances_and_nothing_else_does() {
     let on = frame(&mut renderer, &scene);
     print("error view", &on);
     assert_eq!(on.passes, ["coarse beam", "beam", "exact", "terrain"]);
-    assert_eq!(on.draws, 3);
+    assert_eq!(on.draws, 4);
     assert_eq!(textures(&on), ["heights", "pyramid", "coarse beam", "beam", "exact", "picture", "depth"]);
     assert!(has_def(&on, "VIEW_ERROR") && !has_def(&on, "BEAM"));
     let size = (SIZE[0] * SIZE[1]) as usize;

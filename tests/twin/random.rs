@@ -94,11 +94,12 @@ impl Case {
         Ok(judged)
     }
 
-    /// Whether the eye is as near to the ground as the rounding of a height: all its rays are in the band.
+    /// Whether the eye is as near to the ground as the rounding of a height: all its rays are in the band. Where the
+    /// height scale is 0, all that is over the map is.
     fn eye_is_on_the_ground(&self) -> bool {
         let [x, y, z] = self.eye;
         let over_map = (0.0..=1.0).contains(&x) && (0.0..=1.0).contains(&z);
-        over_map && (y - self.map().surface_height(x, z)).abs() < 1e-6
+        over_map && (self.scale == 0.0 || (y - self.map().surface_height(x, z)).abs() < 1e-6)
     }
 }
 
