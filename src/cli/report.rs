@@ -17,7 +17,7 @@ use crate::scene_file;
 pub(crate) fn run(args: &ReportArgs) -> Result<(), Failure> {
     let (scene, cameras) = scenes(args)?;
     let source = Source::of(&scene);
-    let (gpu, loaded) = source.load_for_gpu()?;
+    let (gpu, loaded) = source.load_for_gpu(&args.open.options())?;
     terrain::check_size(args.size, gpu.capabilities.max_texture)?;
     // After all that may be refused: no empty folder is left then.
     let outputs = Outputs::prepare(&args.output)?;
