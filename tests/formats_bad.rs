@@ -125,7 +125,11 @@ impl Case {
         assert!(peak <= allowance(bytes.len(), packed), "{} {what}: {peak} bytes for {}", self.name, bytes.len());
         match result {
             Ok(loaded) => {
-                assert!(loaded.field.samples().iter().all(|height| (0.0..=1.0).contains(height)), "{} {what}", self.name);
+                assert!(
+                    loaded.field.samples().iter().all(|height| (0.0..=1.0).contains(height)),
+                    "{} {what}",
+                    self.name
+                );
                 let size = loaded.field.box_size(None);
                 assert!(size.is_finite() && (0.0..=1000.0).contains(&size.y), "{} {what}: {size}", self.name);
                 true

@@ -40,6 +40,10 @@ fn assert_same(what: &str, a: &Elevation, b: &Elevation, tolerance: f64) {
         }
     }
     let (Some(x), Some(y)) = (&a.georeference, &b.georeference) else {
+        // ESRI's headers cannot leave the place out.
+        if what.ends_with("asc") || what.ends_with("flt") {
+            return;
+        }
         assert_eq!(a.georeference, b.georeference, "{what}");
         return;
     };
@@ -67,7 +71,9 @@ fn every_format_keeps_samples_holes_and_place() {
         "other/grey16.png",
         "other/square.r32",
     ];
-    for (source, ending) in sources.into_iter().flat_map(|source| ["tif", "png", "asc", "flt", "r16", "r32"].map(|e| (source, e))) {
+    for (source, ending) in
+        sources.into_iter().flat_map(|source| ["tif", "png", "asc", "flt", "r16", "r32"].map(|e| (source, e)))
+    {
         let (elevation, sidecar) = decode(&file(source));
         let (copy, rounded_by) = again(folder.path(), &elevation, sidecar.as_ref(), ending);
         // 32-bit floats hold whole numbers and halves of this size exactly; what Terragen steps by is neither.
@@ -87,7 +93,8 @@ fn a_geotiff_keeps_the_type_of_its_samples() {
     }
     // With a hole, and every number taken: a larger type has others.
     let (elevation, _) = decode(&file("tiff/uint8-none-p1-strips.tif"));
-    let mut full = Elevation { width: 16, height: 17, samples: Samples::U8((0..=255).chain(0..16).collect()), ..elevation };
+    let mut full =
+        Elevation { width: 16, height: 17, samples: Samples::U8((0..=255).chain(0..16).collect()), ..elevation };
     let mut holes = relief::heightfield::HoleMask::new(16, 17);
     holes.insert(260);
     full.holes = Some(holes);
@@ -113,7 +120,9 @@ fn an_edited_map_keeps_its_craters_its_holes_and_its_place() {
         assert_eq!(copy.georeference, loaded.georeference, "{ending}");
         assert_eq!(copy.field.extent_metres(), edited.field().extent_metres(), "{ending}");
         let scale = |range: [f64; 2], sample: f32| range[0] + f64::from(sample) * (range[1] - range[0]);
-        for (a, b) in copy.field.samples().iter().zip(edited.field().samples()) {
+        let holes = edited.field().holes().unwrap();
+        let both = copy.field.samples().iter().zip(edited.field().samples()).enumerate();
+        for (_, (a, b)) in both.filter(|(index, _)| !holes.contains(*index)) {
             let off = (scale(copy.field.range(), *a) - scale(edited.field().range(), *b)).abs();
             assert!(off < 0.02, "{ending}: {off} m");
         }

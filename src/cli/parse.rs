@@ -85,7 +85,8 @@ pub(crate) fn size(text: &str) -> Result<[u32; 2], String> {
 
 /// `x,z,width,height` in samples.
 pub(crate) fn window(text: &str) -> Result<[u32; 4], String> {
-    let number = |part: &str| part.trim().parse::<u32>().map_err(|_| format!("`{part}` is not a whole number of samples"));
+    let number =
+        |part: &str| part.trim().parse::<u32>().map_err(|_| format!("`{part}` is not a whole number of samples"));
     let numbers = text.split(',').map(number).collect::<Result<Vec<_>, _>>()?;
     match numbers[..] {
         [x, z, width, height] if width >= 2 && height >= 2 => Ok([x, z, width, height]),

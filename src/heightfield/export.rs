@@ -7,10 +7,15 @@ use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
 use tiff::TiffError;
-use tiff::encoder::{Compression, DeflateLevel, Predictor, TiffEncoder, TiffKind, TiffKindBig, TiffKindStandard, colortype};
+use tiff::encoder::{
+    Compression, DeflateLevel, Predictor, TiffEncoder, TiffKind, TiffKindBig, TiffKindStandard, colortype,
+};
 use tiff::tags::Tag;
 
-use super::import::{self, Elevation, Endian, Georeference, ImportOptions, NoData, PixelIs, RawType, Sample, Samples, VerticalUnit, with_samples};
+use super::import::{
+    self, Elevation, Endian, Georeference, GroundUnit, ImportOptions, NoData, PixelIs, RawType, Sample, Samples,
+    UnitText, VerticalUnit, with_samples,
+};
 use super::save::{self, SaveError};
 use super::{HeightField, Sidecar};
 use crate::files;
@@ -100,9 +105,8 @@ impl Elevation {
 
     /// Lowest and highest height in the vertical unit.
     fn height_range(&self) -> [f64; 2] {
-        self.heights(f64::NAN).fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], height| {
-            [low.min(height), high.max(height)]
-        })
+        self.heights(f64::NAN)
+            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], height| [low.min(height), high.max(height)])
     }
 }
 
@@ -186,24 +190,21 @@ enum Steps {
 impl Steps {
     fn of(elevation: &Elevation) -> Self {
         let has_holes = elevation.holes.is_some();
-        let plain = elevation.scale == 1.0 && elevation.offset == 0.0;
-        if let (Samples::U16(samples), true) = (&elevation.samples, plain) {
-            let holes = elevation.holes.as_ref();
-            let is_height = |index: usize| holes.is_none_or(|holes| !holes.contains(index));
-            let free = [0, u16::MAX].into_iter().find(|&code| {
-                !samples.iter().enumerate().any(|(index, &sample)| sample == code && is_height(index))
-            });
-            if let Some(hole) = free.or((!has_holes).then_some(0)) {
-                return Self::Own { hole };
-            }
-        }
         let [low, high] = elevation.height_range();
-        let first = u16::from(has_holes);
-        let most = f64::from(u16::MAX - first);
-        // Whole steps of the file's own, where they fit.
         let whole = with_samples!(&elevation.samples, samples => {
             samples.iter().all(|&sample| import::number(sample).fract() == 0.0)
         });
+        let most = f64::from(u16::MAX);
+        if whole && elevation.scale == 1.0 && elevation.offset == 0.0 && low >= 0.0 && high <= most {
+            // A number that no height has.
+            let free = [0.0, most].into_iter().find(|code| low > *code || high < *code);
+            if let Some(hole) = free.or((!has_holes).then_some(0.0)) {
+                return Self::Own { hole: hole as u16 };
+            }
+        }
+        let first = u16::from(has_holes);
+        let most = f64::from(u16::MAX - first);
+        // Whole steps of the file's own, where they fit.
         let own = elevation.scale.abs();
         if whole && ((high - low) / own).round() <= most {
             return Self::Spread { low, step: own, first, exact: true };
@@ -212,21 +213,16 @@ impl Steps {
     }
 
     fn samples(self, elevation: &Elevation) -> Vec<u16> {
-        let holes = elevation.holes.as_ref();
-        let is_hole = |index: usize| holes.is_some_and(|holes| holes.contains(index));
-        match (self, &elevation.samples) {
-            (Self::Own { hole }, Samples::U16(samples)) => {
-                samples.iter().enumerate().map(|(index, &sample)| if is_hole(index) { hole } else { sample }).collect()
+        let code = |height: f64| match self {
+            Self::Own { hole } if height.is_nan() => hole,
+            Self::Own { .. } => height as u16,
+            Self::Spread { .. } if height.is_nan() => 0,
+            Self::Spread { low, step, first, .. } => {
+                let steps = if step > 0.0 { ((height - low) / step).round() } else { 0.0 };
+                (steps as u16).saturating_add(first)
             }
-            (Self::Own { .. }, _) => Vec::new(),
-            (Self::Spread { low, step, first, .. }, _) => elevation
-                .heights(f64::NAN)
-                .map(|height| {
-                    let steps = if step > 0.0 { ((height - low) / step).round() } else { 0.0 };
-                    if height.is_nan() { 0 } else { (steps as u16).saturating_add(first) }
-                })
-                .collect(),
-        }
+        };
+        elevation.heights(f64::NAN).map(code).collect()
     }
 
     fn rounded_by(self) -> f64 {
@@ -253,7 +249,8 @@ fn sidecar_for(elevation: &Elevation, from: Option<&Sidecar>, format: ExportForm
     let headed = matches!(format, ExportFormat::Asc | ExportFormat::Flt | ExportFormat::Tif);
     let tif = format == ExportFormat::Tif;
     // The lowest and highest sample of the picture stand for these; of a picture whose own numbers stay nothing was said.
-    let known = elevation.metric || elevation.vertical_unit.is_some() || elevation.scale != 1.0;
+    let own = matches!(Steps::of(elevation), Steps::Own { .. });
+    let known = elevation.metric || elevation.vertical_unit.is_some() || !own;
     let range = elevation.height_range().map(|height| height * metres);
     let range = Some(range).filter(|_| sixteen && known);
     let mut kept = from.cloned().unwrap_or_default();
@@ -264,6 +261,12 @@ fn sidecar_for(elevation: &Elevation, from: Option<&Sidecar>, format: ExportForm
         lowest_metre: range.map(|range| range[0]),
         highest_metre: range.map(|range| range[1]),
         crs: place.and_then(|place| place.crs.clone()).or(kept.crs).filter(|_| !tif),
+        // Its number says it, but for units of other lengths.
+        crs_unit: place
+            .filter(|place| {
+                !tif && (place.epsg.is_none() || matches!(place.unit, Some(GroundUnit::Metres(m)) if m != 1.0))
+            })
+            .and_then(|place| UnitText::of(place.unit?)),
         origin: place.filter(|_| !headed).map(|place| place.origin),
         step: place.filter(|place| !headed && !place.is_rotated()).map(|place| [place.column[0], place.row[1]]),
         pixel_is: place.filter(|place| !headed && place.pixel == PixelIs::Point).map(|place| place.pixel),
@@ -346,19 +349,8 @@ fn write_tiff(file: &mut File, elevation: &Elevation) -> io::Result<()> {
 }
 
 /// Numbers that can stand for "no height", the usual ones first.
-const NODATA: [f64; 11] = [
-    -32768.0,
-    -9999.0,
-    -2_147_483_648.0,
-    65535.0,
-    255.0,
-    4_294_967_295.0,
-    -128.0,
-    0.0,
-    127.0,
-    1.0,
-    254.0,
-];
+const NODATA: [f64; 11] =
+    [-32768.0, -9999.0, -2_147_483_648.0, 65535.0, 255.0, 4_294_967_295.0, -128.0, 0.0, 127.0, 1.0, 254.0];
 
 fn encode<C>(file: &mut File, elevation: &Elevation, samples: &[C::Inner]) -> io::Result<()>
 where

@@ -420,11 +420,16 @@ mod tests {
         assert_eq!(all, Err(HeightFieldError::AllHoles { width: 3, height: 3 }));
         let none = HeightField::from_raw_with_holes(2, 2, &[1.0; 4], Some(HoleMask::new(2, 2))).unwrap();
         assert!(none.holes().is_none());
-        let other = HeightField::from_raw_with_holes(3, 3, &raw, Some({
-            let mut holes = HoleMask::new(2, 2);
-            holes.insert(0);
-            holes
-        }));
+        let other = HeightField::from_raw_with_holes(
+            3,
+            3,
+            &raw,
+            Some({
+                let mut holes = HoleMask::new(2, 2);
+                holes.insert(0);
+                holes
+            }),
+        );
         assert!(matches!(other, Err(HeightFieldError::WrongCount { .. })));
     }
 

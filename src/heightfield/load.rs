@@ -58,7 +58,9 @@ pub enum LoadError {
         looks_like: &'static str,
     },
     /// The file ends before its samples do.
-    #[error("cannot open {path}\n  the {format} is truncated, it ends before its samples do\n  save or download it again")]
+    #[error(
+        "cannot open {path}\n  the {format} is truncated, it ends before its samples do\n  save or download it again"
+    )]
     Truncated {
         /// What was to be opened.
         path: PathBuf,
@@ -258,8 +260,7 @@ fn decode_bytes<'a>(
         None => options.clone(),
     };
     options.needs_full_range = sidecar.is_some_and(|sidecar| sidecar.range().is_some());
-    let mut source =
-        Source::new(inner, bytes, path, on_disk, listener).map_err(|source| unreadable(path, source))?;
+    let mut source = Source::new(inner, bytes, path, on_disk, listener).map_err(|source| unreadable(path, source))?;
     if source.head.is_empty() {
         return Err(LoadError::Empty { path: path.into() });
     }
@@ -282,8 +283,11 @@ fn apply(sidecar: &Sidecar, elevation: &mut Elevation) {
     let [x, y, _, _] = elevation.taken.window;
     if let Some(place) = sidecar.georeference() {
         elevation.georeference = Some(place.part([x, y], elevation.taken.factor));
-    } else if let (Some(crs), Some(place)) = (&sidecar.crs, elevation.georeference.take()) {
-        elevation.georeference = Some(place.with_crs(crs));
+    } else {
+        elevation.georeference = elevation.georeference.take().map(|place| sidecar.with_system(place));
+    }
+    if sidecar.crs.is_some() || sidecar.crs_unit.is_some() {
+        elevation.warnings.retain(|warning| !warning.starts_with(import::UNIT_GUESSED));
     }
 }
 

@@ -326,7 +326,10 @@ fn every_key_of_a_sidecar_is_known() {
         let mut warnings = Vec::new();
         let unlikely = format!("{key} = [[[]]]");
         Sidecar::parse(&unlikely, Path::new("map.toml"), &mut warnings);
-        assert!(warnings.len() == 1 && warnings[0].contains("ignored") && !warnings[0].contains("unknown"), "{warnings:?}");
+        assert!(
+            warnings.len() == 1 && warnings[0].contains("ignored") && !warnings[0].contains("unknown"),
+            "{warnings:?}"
+        );
     }
     let all = [ImportOptions::KEYS.as_slice(), &Sidecar::KEYS].concat();
     assert!(all.iter().all(|key| Sidecar::KEYS.contains(key)));

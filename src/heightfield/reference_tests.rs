@@ -143,7 +143,8 @@ fn cells_with_a_hole_let_rays_pass_as_in_brute_force() {
 fn a_hole_has_neither_sides_nor_floor_and_the_ground_beside_it_is_solid() {
     let mut holes = HoleMask::new(4, 2);
     holes.insert(0);
-    let field = HeightField::from_raw_with_holes(4, 2, &[f64::NAN, 1.0, 1.0, 1.0, 1.0, 1.0, 0.0, 1.0], Some(holes)).unwrap();
+    let field =
+        HeightField::from_raw_with_holes(4, 2, &[f64::NAN, 1.0, 1.0, 1.0, 1.0, 1.0, 0.0, 1.0], Some(holes)).unwrap();
     let size = DVec3::new(3.0, 1.0, 1.0);
     let surface = Surface::new(&field, size);
     let shoot = |origin: DVec3, direction: DVec3| surface.intersect(&Ray { origin, direction });

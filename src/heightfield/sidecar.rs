@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::field::EXTENT_RATIOS;
-use super::import::{Georeference, ImportOptions, PixelIs, Taken};
+use super::import::{Georeference, ImportOptions, PixelIs, Taken, UnitText};
 use super::{HEIGHT_SCALES, HeightField};
 
 /// The tables of a scene file. A screenshot's scene has the stem of its picture, just as a sidecar would.
@@ -49,6 +49,10 @@ pub struct Sidecar {
     /// From column to column and from row to row in the units of `crs`; the second is below 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub step: Option<[f64; 2]>,
+    /// What the coordinates of `crs` are counted in, where its number does not say: "degree", "web-mercator", or so many
+    /// metres each.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) crs_unit: Option<UnitText>,
     /// What a sample stands for: the mean of an "area" around it, or the "point" it was measured at.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pixel_is: Option<PixelIs>,
@@ -59,7 +63,7 @@ pub struct Sidecar {
 
 impl Sidecar {
     /// The keys that a sidecar may have.
-    pub const KEYS: [&'static str; 24] = [
+    pub const KEYS: [&'static str; 25] = [
         "title",
         "extent_metres",
         "lowest_metre",
@@ -71,6 +75,7 @@ impl Sidecar {
         "vertical_exaggeration",
         "origin",
         "step",
+        "crs_unit",
         "pixel_is",
         "raw_size",
         "raw_type",
@@ -172,6 +177,10 @@ impl Sidecar {
             warn("origin and step were ignored: give both, finite, and steps other than 0");
             (self.origin, self.step) = (None, None);
         }
+        if matches!(self.crs_unit, Some(UnitText::Metres(metres)) if !positive(metres)) {
+            warn("crs_unit was ignored: it must be finite and above 0");
+            self.crs_unit = None;
+        }
         if self.import.reduce == Some(0) {
             warn("reduce was ignored: it must be at least 1");
             self.import.reduce = None;
@@ -249,10 +258,18 @@ impl Sidecar {
     pub(super) fn georeference(&self) -> Option<Georeference> {
         let place = Georeference::new(self.origin?, self.step?);
         let place = Georeference { pixel: self.pixel_is.unwrap_or_default(), ..place };
-        Some(match &self.crs {
+        Some(self.with_system(place))
+    }
+
+    /// The place in the reference system that `crs` and `crs_unit` say.
+    pub(super) fn with_system(&self, place: Georeference) -> Georeference {
+        let unit = self.crs_unit.map(UnitText::unit);
+        let place = Georeference { unit: unit.or(place.unit), ..place };
+        let place = match &self.crs {
             Some(crs) => place.with_crs(crs),
             None => place,
-        })
+        };
+        Georeference { unit: unit.or(place.unit), ..place }
     }
 
     /// The heights that the lowest and highest sample stand for, metres.

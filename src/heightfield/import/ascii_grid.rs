@@ -7,18 +7,8 @@ use super::source::{Fault, Source, one_line};
 use super::{Elevation, Format, Georeference, ImportOptions, PixelIs, VerticalUnit};
 
 /// What a header's lines begin with.
-const KEYS: [&str; 10] = [
-    "ncols",
-    "nrows",
-    "xllcorner",
-    "xllcenter",
-    "yllcorner",
-    "yllcenter",
-    "cellsize",
-    "dx",
-    "dy",
-    "nodata_value",
-];
+const KEYS: [&str; 10] =
+    ["ncols", "nrows", "xllcorner", "xllcenter", "yllcorner", "yllcenter", "cellsize", "dx", "dy", "nodata_value"];
 
 /// Longest word that can be a number or a key.
 const MOST_WORD: usize = 512;
@@ -51,9 +41,10 @@ pub(super) fn decode(source: &mut Source, options: &ImportOptions) -> Result<Ele
     while !gatherer.is_full() {
         let value = match next.take() {
             Some(first) => first,
-            None => words.number()?.ok_or(Fault::Truncated)?.map_err(|word| {
-                Fault::Damaged(format!("\"{}\" in row {row_index} is no number", one_line(&word)))
-            })?,
+            None => words
+                .number()?
+                .ok_or(Fault::Truncated)?
+                .map_err(|word| Fault::Damaged(format!("\"{}\" in row {row_index} is no number", one_line(&word))))?,
         };
         whole &= value.fract() == 0.0 && value.abs() < 2_147_483_648.0;
         row.push(value);
@@ -113,7 +104,9 @@ impl Header {
         let cell = self.number("cellsize");
         let [dx, dy] = [self.number("dx").or(cell)?, self.number("dy").or(cell)?];
         let along = |corner: &str, centre: &str, step: f64| {
-            self.number(centre).map(|at| (at, PixelIs::Point)).or(self.number(corner).map(|at| (at + step * 0.5, PixelIs::Area)))
+            self.number(centre)
+                .map(|at| (at, PixelIs::Point))
+                .or(self.number(corner).map(|at| (at + step * 0.5, PixelIs::Area)))
         };
         let (west, pixel) = along("xllcorner", "xllcenter", dx)?;
         let (south, _) = along("yllcorner", "yllcenter", dy)?;

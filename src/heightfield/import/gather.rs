@@ -313,7 +313,8 @@ mod tests {
         let factor = |width: u64, limit: u32| {
             Plan::new(width, 40, &ImportOptions { limit: Some(limit), ..Default::default() }).unwrap().taken
         };
-        for (width, limit, expected) in [(40, 40, 1), (41, 40, 2), (81, 40, 2), (82, 40, 3), (122, 40, 3), (123, 40, 4)] {
+        for (width, limit, expected) in [(40, 40, 1), (41, 40, 2), (81, 40, 2), (82, 40, 3), (122, 40, 3), (123, 40, 4)]
+        {
             let taken = factor(width, limit);
             assert!(taken.size()[0] <= limit, "{taken:?}");
             assert_eq!(taken.factor, expected, "{width} within {limit}");

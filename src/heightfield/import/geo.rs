@@ -9,6 +9,9 @@ const ECCENTRICITY_2: f64 = 0.006_694_379_990_141_317;
 /// Where Web Mercator's square ends, degrees.
 const MERCATOR_END: f64 = 85.06;
 
+/// How the warning begins that a unit was guessed.
+pub(in crate::heightfield) const UNIT_GUESSED: &str = "it does not say in which unit its place is given";
+
 /// What coordinates are counted in.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum GroundUnit {
@@ -18,6 +21,45 @@ pub enum GroundUnit {
     Metres(f64),
     /// Metres at the equator, stretched with the latitude.
     WebMercator,
+}
+
+/// [`GroundUnit`] as a sidecar has it: "degree", "web-mercator", or metres.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub(in crate::heightfield) enum UnitText {
+    /// Of so many metres each.
+    Metres(f64),
+    /// One with a name.
+    Named(UnitName),
+}
+
+/// The units that have names in a sidecar.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(in crate::heightfield) enum UnitName {
+    /// Longitude and latitude.
+    Degree,
+    /// Metres at the equator.
+    WebMercator,
+}
+
+impl UnitText {
+    /// The same as text, where there is one.
+    pub(in crate::heightfield) fn of(unit: GroundUnit) -> Option<Self> {
+        match unit {
+            GroundUnit::Metres(metres) => Some(Self::Metres(metres)),
+            GroundUnit::WebMercator => Some(Self::Named(UnitName::WebMercator)),
+            GroundUnit::Degrees(unit) => (unit == 1.0).then_some(Self::Named(UnitName::Degree)),
+        }
+    }
+
+    pub(in crate::heightfield) fn unit(self) -> GroundUnit {
+        match self {
+            Self::Metres(metres) => GroundUnit::Metres(metres),
+            Self::Named(UnitName::Degree) => GroundUnit::Degrees(1.0),
+            Self::Named(UnitName::WebMercator) => GroundUnit::WebMercator,
+        }
+    }
 }
 
 /// What a sample stands for.
@@ -156,12 +198,8 @@ impl Georeference {
         let mut bounds = [f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY];
         for (column, row) in [(0.0, 0.0), (right, 0.0), (0.0, bottom), (right, bottom)] {
             let [longitude, latitude] = self.longitude_latitude(self.at(column, row))?;
-            bounds = [
-                bounds[0].min(longitude),
-                bounds[1].min(latitude),
-                bounds[2].max(longitude),
-                bounds[3].max(latitude),
-            ];
+            bounds =
+                [bounds[0].min(longitude), bounds[1].min(latitude), bounds[2].max(longitude), bounds[3].max(latitude)];
         }
         bounds.iter().all(|bound| bound.is_finite()).then_some(bounds)
     }
@@ -281,7 +319,12 @@ impl Georeference {
     /// With the reference system of a `.prj` file. Without one, degrees are assumed where the numbers can be nothing
     /// else, and metres otherwise; the assumption is told.
     #[must_use]
-    pub(super) fn with_projection_file(mut self, text: Option<&str>, size: [u32; 2], warnings: &mut Vec<String>) -> Self {
+    pub(super) fn with_projection_file(
+        mut self,
+        text: Option<&str>,
+        size: [u32; 2],
+        warnings: &mut Vec<String>,
+    ) -> Self {
         if let Some((crs, epsg, unit)) = text.and_then(from_wkt) {
             (self.crs, self.epsg, self.unit) = (Some(crs), epsg, Some(unit));
             return self;
@@ -295,7 +338,7 @@ impl Georeference {
         self.unit = Some(if degrees { GroundUnit::Degrees(1.0) } else { GroundUnit::Metres(1.0) });
         let unit = if degrees { "degrees" } else { "metres" };
         warnings.push(format!(
-            "it does not say in which unit its place is given: {unit} are assumed; say crs = \"EPSG:…\" in the sidecar \
+            "{UNIT_GUESSED}: {unit} are assumed; say crs = \"EPSG:…\" in the sidecar \
              to be sure"
         ));
         self
@@ -338,15 +381,18 @@ mod tests {
     /// Against PROJ: `cs2cs EPSG:32611 EPSG:4326`, and the same for 32719.
     #[test]
     fn utm_goes_back_to_degrees() {
-        let there = |epsg, at| Georeference::new([0.0, 0.0], [1.0, -1.0]).with_epsg(epsg).longitude_latitude(at).unwrap();
+        let there =
+            |epsg, at| Georeference::new([0.0, 0.0], [1.0, -1.0]).with_epsg(epsg).longitude_latitude(at).unwrap();
         for (epsg, at, expected) in UTM {
             let got = there(epsg, at);
             assert!((got[0] - expected[0]).hypot(got[1] - expected[1]) < 1e-7, "{got:?} for {expected:?}");
         }
     }
 
-    const UTM: [(u32, [f64; 2], [f64; 2]); 2] =
-        [(32611, [250_000.0, 3_900_000.0], [-119.746_421_250_254_7, 35.211_910_798_187_034]), (32719, [700_000.0, 7_500_000.0], [-67.054_449_779_880_94, -22.595_067_595_103_338])];
+    const UTM: [(u32, [f64; 2], [f64; 2]); 2] = [
+        (32611, [250_000.0, 3_900_000.0], [-119.746_421_250_254_7, 35.211_910_798_187_034]),
+        (32719, [700_000.0, 7_500_000.0], [-67.054_449_779_880_94, -22.595_067_595_103_338]),
+    ];
 
     #[test]
     fn the_other_end_and_a_part_are_the_same_ground() {

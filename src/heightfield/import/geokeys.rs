@@ -134,7 +134,10 @@ impl GeoTags {
             return place;
         }
         let upper = name.as_deref().unwrap_or_default().to_ascii_uppercase().replace(['_', '-'], " ");
-        if upper.contains("PSEUDO MERCATOR") || upper.contains("WEB MERCATOR") || upper.contains("POPULAR VISUALISATION") {
+        if upper.contains("PSEUDO MERCATOR")
+            || upper.contains("WEB MERCATOR")
+            || upper.contains("POPULAR VISUALISATION")
+        {
             place.unit = Some(GroundUnit::WebMercator);
         }
         Georeference { crs: name, ..place }

@@ -19,16 +19,18 @@ mod raw;
 pub(super) mod source;
 mod terragen;
 mod tiff;
+mod tiff_directory;
 mod usgs_dem;
 
 use std::io::Read;
 use std::path::Path;
 
 use self::source::{Fault, Source};
-pub(crate) use elevation::{Sample, number, with_samples};
 pub use elevation::{Elevation, Samples, Taken, VerticalUnit};
-pub(crate) use geokeys::tags_of;
+pub(crate) use elevation::{Sample, number, with_samples};
 pub use geo::{Georeference, GroundUnit, PixelIs};
+pub(super) use geo::{UNIT_GUESSED, UnitText};
+pub(crate) use geokeys::tags_of;
 pub use options::{Encoding, Endian, ImportOptions, Listener, NoData, RawType};
 
 /// The formats that open.

@@ -70,11 +70,17 @@ fn choose<'a>(header: &'a Header, asked: Option<&str>, warnings: &mut Vec<String
         let by_name = NAMES.iter().position(|known| name == *known).map_or(0, |at| 40 - at);
         let standard = grid.text("standard_name").unwrap_or_default();
         let by_standard = if ["altitude", "height", "surface_altitude"].contains(&standard.as_str()) { 50 } else { 0 };
-        by_name + by_standard + usize::from(vertical_unit(grid).is_some()) * 20 + usize::from(grid.dimensions.len() == 2)
+        by_name
+            + by_standard
+            + usize::from(vertical_unit(grid).is_some()) * 20
+            + usize::from(grid.dimensions.len() == 2)
     };
     let best = grids.iter().copied().rev().max_by_key(|grid| score(grid));
     let best = best.ok_or_else(|| {
-        Fault::Unsupported("no variable with two dimensions".into(), "convert the grid to GeoTIFF, or write it with two")
+        Fault::Unsupported(
+            "no variable with two dimensions".into(),
+            "convert the grid to GeoTIFF, or write it with two",
+        )
     })?;
     if grids.len() > 1 {
         warnings.push(format!(
@@ -95,7 +101,8 @@ fn read<T: Sample>(
 ) -> Result<Elevation, Fault> {
     let lengths = header.lengths(variable);
     let [.., rows, columns] = lengths[..] else { return Err(Fault::Damaged("a grid without two sides".into())) };
-    let in_records = variable.dimensions.first().copied() == header.record_dimension && header.record_dimension.is_some();
+    let in_records =
+        variable.dimensions.first().copied() == header.record_dimension && header.record_dimension.is_some();
     let packed = columns.saturating_mul(T::BYTES as u64);
     let stride = if in_records && lengths.len() == 2 { header.record_bytes.max(packed) } else { packed };
     let end = rows.saturating_sub(1).saturating_mul(stride).saturating_add(packed).saturating_add(variable.begin);
@@ -103,7 +110,8 @@ fn read<T: Sample>(
         return Err(Fault::Promises([columns, rows]));
     }
     if lengths[..lengths.len() - 2].iter().any(|&length| length > 1) {
-        warnings.push(format!("\"{}\" has more than two dimensions: its first layer is taken", one_line(&variable.name)));
+        warnings
+            .push(format!("\"{}\" has more than two dimensions: its first layer is taken", one_line(&variable.name)));
     }
     let plan = Plan::new(columns, rows, options)?;
     let size = [columns as u32, rows as u32];

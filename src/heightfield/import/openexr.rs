@@ -38,7 +38,8 @@ pub(super) fn decode(source: &mut Source, options: &ImportOptions) -> Result<Ele
         Compression::RLE => 128,
         _ => 2048,
     };
-    let bytes: u64 = layer.channels.list.iter().map(|channel| if channel.sample_type == SampleType::F16 { 2 } else { 4 }).sum();
+    let bytes: u64 =
+        layer.channels.list.iter().map(|channel| if channel.sample_type == SampleType::F16 { 2 } else { 4 }).sum();
     if size[0].saturating_mul(size[1]).saturating_mul(bytes) > source.bytes.saturating_mul(ratio) {
         return Err(Fault::Promises(size));
     }

@@ -25,8 +25,7 @@ pub enum RawType {
 
 impl RawType {
     /// All of them.
-    pub const ALL: [Self; 8] =
-        [Self::U8, Self::I8, Self::U16, Self::I16, Self::U32, Self::I32, Self::F32, Self::F64];
+    pub const ALL: [Self; 8] = [Self::U8, Self::I8, Self::U16, Self::I16, Self::U32, Self::I32, Self::F32, Self::F64];
 
     /// Bytes of one sample.
     pub fn bytes(self) -> u64 {

@@ -36,7 +36,10 @@ pub(super) fn decode(format: Format, source: &mut Source, options: &ImportOption
             "use the PNG or WebP tiles, or leave --encoding out",
         ));
     }
-    let complete = format != Format::Png || ends_with_iend(source)?;
+    let complete = has_its_end(format, source)?;
+    if format == Format::Jpeg && !complete {
+        return Err(Fault::Truncated);
+    }
     let (picture, plan) = decode_picture(format, source, options).map_err(|fault| match fault {
         Fault::Damaged(_) | Fault::Io(_) if !complete => Fault::Truncated,
         fault => fault,
@@ -134,12 +137,7 @@ fn shades(picture: DynamicImage, plan: Plan, options: &ImportOptions, format: Fo
     Ok(elevation)
 }
 
-fn gathered<T: Sample>(
-    samples: &[T],
-    plan: Plan,
-    options: &ImportOptions,
-    format: Format,
-) -> Result<Elevation, Fault> {
+fn gathered<T: Sample>(samples: &[T], plan: Plan, options: &ImportOptions, format: Format) -> Result<Elevation, Fault> {
     let order = Order { south_first: options.flip == Some(true), east_first: false };
     let mut gatherer = Gatherer::<T>::new(plan, order, &nodata_values(options, &[]));
     gatherer.push(samples);
@@ -228,11 +226,21 @@ fn check_png_head(source: &Source) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Whether the last chunk is where it belongs, which tells a truncated file from a damaged one.
-fn ends_with_iend(source: &mut Source) -> io::Result<bool> {
+/// Whether the mark of the end is where it belongs, which tells a truncated file from a damaged one. A JPEG's decoder
+/// would make up the rest.
+fn has_its_end(format: Format, source: &mut Source) -> io::Result<bool> {
+    let tail_bytes = match format {
+        Format::Png => 12,
+        // Programs add notes of their own after it.
+        Format::Jpeg => 1 << 16,
+        _ => return Ok(true),
+    };
     let mut tail = Vec::new();
-    source.reader.seek(SeekFrom::Start(source.bytes.saturating_sub(12)))?;
-    source.reader.by_ref().take(12).read_to_end(&mut tail)?;
+    source.reader.seek(SeekFrom::Start(source.bytes.saturating_sub(tail_bytes)))?;
+    source.reader.by_ref().take(tail_bytes).read_to_end(&mut tail)?;
     source.reader.rewind()?;
-    Ok(tail.get(4..8) == Some(b"IEND"))
+    Ok(match format {
+        Format::Png => tail.get(4..8) == Some(b"IEND"),
+        _ => tail.windows(2).any(|mark| mark == [0xff, 0xd9]),
+    })
 }

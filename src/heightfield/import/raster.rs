@@ -12,7 +12,10 @@ pub(super) fn decode(source: &mut Source, options: &ImportOptions) -> Result<Ele
         ));
     };
     if text.trim_start().starts_with("ENVI") {
-        return Err(Fault::Unsupported("an ENVI header".into(), "convert it to GeoTIFF, with gdal_translate for instance"));
+        return Err(Fault::Unsupported(
+            "an ENVI header".into(),
+            "convert it to GeoTIFF, with gdal_translate for instance",
+        ));
     }
     let header = Header::parse(&text);
     let float = source.path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("flt"));
@@ -133,7 +136,9 @@ impl Header {
             return Some(Georeference::new([x, y], [dx, -dy]));
         }
         let half = |corner: &str, centre: &str, step: f64| {
-            self.number(centre).map(|at| (at, PixelIs::Point)).or(self.number(corner).map(|at| (at + step * 0.5, PixelIs::Area)))
+            self.number(centre)
+                .map(|at| (at, PixelIs::Point))
+                .or(self.number(corner).map(|at| (at + step * 0.5, PixelIs::Area)))
         };
         let (west, pixel) = half("xllcorner", "xllcenter", dx)?;
         let (south, _) = half("yllcorner", "yllcenter", dy)?;

@@ -33,7 +33,11 @@ pub(super) fn decode(source: &mut Source, options: &ImportOptions) -> Result<Ele
     Ok(elevation)
 }
 
-fn read<T: Sample>(source: &mut Source, options: &ImportOptions, [width, height]: [u32; 2]) -> Result<Elevation, Fault> {
+fn read<T: Sample>(
+    source: &mut Source,
+    options: &ImportOptions,
+    [width, height]: [u32; 2],
+) -> Result<Elevation, Fault> {
     let plan = Plan::new(width.into(), height.into(), options)?;
     let order = Order { south_first: options.flip == Some(true), east_first: false };
     let mut gatherer = Gatherer::<T>::new(plan, order, &nodata_values(options, &[]));
@@ -42,11 +46,7 @@ fn read<T: Sample>(source: &mut Source, options: &ImportOptions, [width, height]
 }
 
 /// The type and the size: as said, else by the ending and the length.
-fn layout(
-    source: &Source,
-    options: &ImportOptions,
-    warnings: &mut Vec<String>,
-) -> Result<(RawType, [u32; 2]), Fault> {
+fn layout(source: &Source, options: &ImportOptions, warnings: &mut Vec<String>) -> Result<(RawType, [u32; 2]), Fault> {
     let extension = source.path.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase());
     let by_name = match extension.as_deref() {
         Some("r8") => Some(RawType::U8),
@@ -64,7 +64,11 @@ fn layout(
         (Some(kind), None) => match square(kind) {
             Some(side) => Ok((kind, [side; 2])),
             None => Err(Fault::Unclear(
-                format!("its {} bytes are no square of {} samples, and nothing in it says its size", source.bytes, kind.name()),
+                format!(
+                    "its {} bytes are no square of {} samples, and nothing in it says its size",
+                    source.bytes,
+                    kind.name()
+                ),
                 ADVICE.into(),
             )),
         },

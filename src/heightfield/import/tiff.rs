@@ -55,10 +55,10 @@ pub(super) fn decode(source: &mut Source, options: &ImportOptions) -> Result<Ele
     let world = ["tfw", "tifw", "wld"].into_iter().find_map(|ending| source.companion(ending));
     let prj = source.companion("prj");
     let bytes = source.bytes;
+    super::tiff_directory::check(source)?;
     let mut limits = Limits::default();
     limits.decoding_buffer_size = MOST_CHUNK as usize;
     limits.intermediate_buffer_size = MOST_CHUNK as usize;
-    limits.ifd_value_size = 16 << 20;
     let mut decoder = Decoder::new(&mut source.reader).map_err(fault)?.with_limits(limits);
     let mut warnings = Vec::new();
     let layout = Layout::read(&mut decoder, options, &mut warnings)?;
@@ -283,11 +283,14 @@ fn read<T: FromChunk>(
             let mut samples = DecodingResult::U8(Vec::new());
             let bytes = stride * usize::from(layout.bits / 8);
             decoder.read_chunk_to_buffer(&mut samples, chunk, bytes).map_err(fault)?;
-            let samples = T::from_chunk(samples)
-                .ok_or_else(|| Fault::Damaged("a tile has another type than the rest".into()))?;
+            let samples =
+                T::from_chunk(samples).ok_or_else(|| Fault::Damaged("a tile has another type than the rest".into()))?;
             for (row, samples) in samples.chunks_exact(stride.max(1)).take(rows as usize).enumerate() {
                 let picked = samples.iter().skip(layout.offset).step_by(layout.interleaved);
-                band[row * width + left..][..columns].iter_mut().zip(picked).for_each(|(place, sample)| *place = *sample);
+                band[row * width + left..][..columns]
+                    .iter_mut()
+                    .zip(picked)
+                    .for_each(|(place, sample)| *place = *sample);
             }
         }
         for row in 0..rows as usize {

@@ -27,13 +27,14 @@ pub(super) fn decode(source: &mut Source, options: &ImportOptions) -> Result<Ele
         let text = record(source)?.ok_or(Fault::Truncated)?;
         profiles.push(Profile::read(source, &head, text, &voids)?);
     }
-    let of = |profile: &Profile| (profile.south, profile.south + head.step[1] * (profile.heights.len().max(1) - 1) as f64);
+    let of =
+        |profile: &Profile| (profile.south, profile.south + head.step[1] * (profile.heights.len().max(1) - 1) as f64);
     let south = profiles.iter().map(|profile| of(profile).0).fold(f64::INFINITY, f64::min);
     let north = profiles.iter().map(|profile| of(profile).1).fold(f64::NEG_INFINITY, f64::max);
     let west = profiles.iter().map(|profile| profile.west).fold(f64::INFINITY, f64::min);
     let rows = ((north - south) / head.step[1]).round() + 1.0;
     // Six characters a height; at most five sixths of the grid are beside the profiles.
-    if !(rows * head.columns as f64 <= source.bytes as f64) {
+    if rows.is_nan() || rows * head.columns as f64 > source.bytes as f64 {
         return Err(Fault::Damaged("its profiles lie too far apart for a grid".into()));
     }
     let rows = rows as u64;
@@ -95,7 +96,8 @@ fn record(source: &mut Source) -> Result<Option<Vec<u8>>, Fault> {
 /// The number in some columns, counted from 0; Fortran writes `D` for the exponent. Blank is 0.
 fn number(record: &[u8], at: usize, width: usize) -> Result<f64, Fault> {
     let field = record.get(at..at + width).unwrap_or_default();
-    let text: String = field.iter().map(|&byte| if matches!(byte, b'D' | b'd') { 'e' } else { char::from(byte) }).collect();
+    let text: String =
+        field.iter().map(|&byte| if matches!(byte, b'D' | b'd') { 'e' } else { char::from(byte) }).collect();
     match text.trim() {
         "" => Ok(0.0),
         text => match text.parse::<f64>() {
