@@ -155,7 +155,7 @@ fn not_a_png() {
     let bench = Bench::new();
     bench.write("notes.png", "these are only words, a good deal of them, and no picture at all\n");
     let run = bench.relief("info notes.png");
-    run.expect(3, &["notes.png", "not a PNG", "text", "convert"]).says_what_why_and_what_to_do();
+    run.expect(3, &["notes.png", "looks like a text file", "convert"]).says_what_why_and_what_to_do();
 }
 
 #[test]
@@ -186,6 +186,9 @@ fn larger_than_the_adapter_allows() {
     let run = bench.relief("render wide.png -o out.png --size 8x8");
     run.expect(3, &["relief: error: ", "32768×2", "adapter", "reduce"]);
     assert_eq!(bench.names(), ["wide.png"]);
+    bench.map("fits.png", 32768, 8);
+    let run = bench.relief("render fits.png -o out.png --size 8x8");
+    run.expect(0, &["relief: warning: fits.png: its 32768×8 samples are more than", "mean of", "--window"]);
 }
 
 #[test]
@@ -536,7 +539,7 @@ fn every_command_and_option_of_the_readme_is_in_the_help() {
     let bench = Bench::new();
     let readme = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("README.md")).unwrap();
     let section = readme.split("\n## ").find(|section| section.starts_with("Command line")).unwrap();
-    let commands = ["view", "render", "report", "stress", "info", "generate", "completions"];
+    let commands = ["view", "render", "report", "stress", "info", "convert", "generate", "completions"];
     let mut help = bench.relief("--help").stdout;
     for command in commands {
         assert!(help.contains(command), "{command} is missing in --help");

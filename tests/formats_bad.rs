@@ -3,7 +3,7 @@
 //! than a file of that length can be worth.
 //!
 //! `RELIEF_FUZZ_CASES=20000 cargo test --test formats_bad` runs longer.
-#![expect(clippy::unwrap_used, clippy::panic, reason = "a test may fail loudly")]
+#![expect(clippy::unwrap_used, reason = "a test may fail loudly")]
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::path::{Path, PathBuf};

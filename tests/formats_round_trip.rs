@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use relief::heightfield::export::{self, ExportFormat};
-use relief::heightfield::import::{Elevation, ImportOptions, Listener, PixelIs, Samples};
+use relief::heightfield::import::{Elevation, ImportOptions, Listener, PixelIs, Samples, VerticalUnit};
 use relief::heightfield::{Crater, EditedTerrain, Sidecar, load};
 
 fn file(name: &str) -> PathBuf {
@@ -28,7 +28,7 @@ fn again(folder: &Path, elevation: &Elevation, sidecar: Option<&Sidecar>, ending
 
 fn assert_same(what: &str, a: &Elevation, b: &Elevation, tolerance: f64) {
     assert_eq!((a.width, a.height), (b.width, b.height), "{what}");
-    let metres = |elevation: &Elevation| elevation.vertical_unit.map_or(1.0, |unit| unit.metres());
+    let metres = |elevation: &Elevation| elevation.vertical_unit.map_or(1.0, VerticalUnit::metres);
     for (column, row) in (0..a.height).flat_map(|row| (0..a.width).map(move |column| (column, row))) {
         match (a.height_at(column, row), b.height_at(column, row)) {
             (Some(x), Some(y)) => {

@@ -130,8 +130,12 @@ pub fn write(
     };
     let text = sidecar_for(elevation, sidecar, format).to_toml();
     let text = text.map_err(|reason| SaveError { path: Sidecar::path_of(path), reason })?;
+    let beside = Sidecar::path_of(path);
     if !text.trim().is_empty() {
-        companion(Sidecar::path_of(path), &text)?;
+        companion(beside, &text)?;
+    } else if beside.exists() {
+        // What another file of this name needed would be wrong for this one.
+        companion(beside, "# The file itself says all.\n")?;
     }
     if format == ExportFormat::Flt {
         companion(path.with_extension("hdr"), &esri_header(elevation, "\r\n", ESRI_NODATA, "LSBFIRST"))?;

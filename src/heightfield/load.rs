@@ -314,6 +314,8 @@ fn interpret(
         }
         None => field,
     };
+    // The sidecar's heights are metres, whatever the file's are.
+    let stated = sidecar.as_ref().is_some_and(|sidecar| sidecar.range().is_some());
     Ok(Loaded {
         field,
         warnings,
@@ -324,7 +326,7 @@ fn interpret(
         nodata_fraction: facts.hole_fraction(),
         compression: facts.compression,
         georeference: facts.georeference,
-        vertical_unit: facts.vertical_unit,
+        vertical_unit: stated.then_some(VerticalUnit::Metre).or(facts.vertical_unit),
         taken: facts.taken,
     })
 }

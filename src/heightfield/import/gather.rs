@@ -49,10 +49,17 @@ impl Plan {
             return Err(Fault::Beyond([window[2] / asked, window[3] / asked]));
         }
         if (window[2] / factor).min(window[3] / factor) < 2 {
-            return Err(Fault::Unclear(
-                format!("means of {factor}×{factor} leave less than 2×2 of its {}×{} samples", window[2], window[3]),
-                String::from("choose a smaller --reduce, or a --window of it"),
-            ));
+            let (size, advice) =
+                (format!("{}×{}", window[2], window[3]), "choose a --window of it, or a smaller --reduce");
+            let why = if factor > asked {
+                format!(
+                    "its {size} samples are more than the {limit} a side that fit the adapter, and to reduce them by \
+                     {factor} leaves less than 2×2"
+                )
+            } else {
+                format!("means of {factor}×{factor} leave less than 2×2 of its {size} samples")
+            };
+            return Err(Fault::Unclear(why, advice.into()));
         }
         let taken = Taken { full, window, factor };
         Ok(Self { taken, reduced_to_fit: (factor > asked).then_some(limit) })

@@ -417,7 +417,9 @@ mod tests {
         assert_eq!((name.as_str(), epsg), ("GCS_WGS_1984", None));
         assert!(matches!(unit, GroundUnit::Degrees(unit) if (unit - 1.0).abs() < 1e-9));
         let feet = r#"PROJCS["NAD_1983_StatePlane_New_York",GEOGCS["x",UNIT["Degree",0.017]],UNIT["Foot_US",0.3048006096012192]]"#;
-        assert!(matches!(from_wkt(feet), Some((_, None, GroundUnit::Metres(unit))) if (unit - 0.3048006).abs() < 1e-9));
+        assert!(
+            matches!(from_wkt(feet), Some((_, None, GroundUnit::Metres(unit))) if (unit - 0.304_800_609_6).abs() < 1e-9)
+        );
         assert_eq!(from_wkt("hello"), None);
         assert_eq!(from_wkt("PROJCS["), Some(("unnamed".into(), None, GroundUnit::Metres(1.0))));
     }

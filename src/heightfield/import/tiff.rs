@@ -71,6 +71,12 @@ pub(super) fn decode(source: &mut Source, options: &ImportOptions) -> Result<Ele
     let upright = place.as_ref().filter(|place| !place.is_rotated());
     let south_first = upright.is_some_and(|place| place.row[1] > 0.0);
     let east_first = upright.is_some_and(|place| place.column[0] < 0.0);
+    if south_first {
+        warnings.push(
+            "its place says that its first row is the southernmost, and so it is shown; say --flip if that is wrong"
+                .into(),
+        );
+    }
     let order = Order { south_first: south_first != (options.flip == Some(true)), east_first };
     let mut elevation = match (layout.format, layout.bits) {
         (1 | 4, 8) => read::<u8>(&mut decoder, &layout, options, order),
