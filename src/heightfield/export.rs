@@ -279,7 +279,9 @@ fn sidecar_for(elevation: &Elevation, from: Option<&Sidecar>, format: ExportForm
             raw_type: raw.then_some(if format == ExportFormat::R16 { RawType::U16 } else { RawType::F32 }),
             raw_endian: raw.then_some(Endian::Little),
             nodata: (sixteen && elevation.holes.is_some()).then(|| NoData::Value(Steps::of(elevation).hole())),
-            vertical_unit: elevation.vertical_unit.filter(|unit| !sixteen && !tif && *unit != VerticalUnit::Metre),
+            vertical_unit: elevation
+                .vertical_unit
+                .filter(|unit| !sixteen && !tif && (raw || *unit != VerticalUnit::Metre)),
             holes: kept.import.holes,
             ..ImportOptions::default()
         },
