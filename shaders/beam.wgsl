@@ -1,11 +1,16 @@
-// The beam pass: one fragment per tile of pixels finds a depth before which none of the tile's rays meets the ground, so
-// that they need not all walk there.
+// The beam passes: one fragment per tile of pixels finds a depth before which none of the tile's rays meets the ground, so
+// that they need not all walk there. First for coarse tiles; with REFINES for fine ones, which go on where the coarse one
+// that holds them stopped.
 //
 // At the view depth z the rays of a tile lie within a parallelogram around the tile's central ray: along each axis
 // within `footprint · z`. The walk follows the central ray, and takes at each node the maximum over all the nodes that
 // a ray of the tile can be in.
 
-#import relief::beam::BEAM_TILE
+#ifdef REFINES
+#import relief::beam::{COARSE_TILE, FINE_TILE as TILE}
+#else
+#import relief::beam::COARSE_TILE as TILE
+#endif
 #import relief::constants::MOST_STEPS
 #import relief::frame::{FOR_EVER, frame, pixel_ray, slabs}
 #import relief::heightfield::terrain
@@ -14,6 +19,11 @@
     reciprocal_of_power,
 }
 #import relief::varyings
+
+#ifdef REFINES
+// What this pass found for the coarse tiles.
+@group(1) @binding(8) var coarse: texture_2d<f32>;
+#endif
 
 @vertex
 fn vs_main(@builtin(vertex_index) index: u32) -> varyings::Varyings {
@@ -37,9 +47,16 @@ fn height_around(node: vec2f, size: f32) -> f32 {
 @fragment
 fn fs_main(in: varyings::Varyings) -> @location(0) vec4f {
     varyings::receive(in);
-    let ray = pixel_ray(in.position.xy * BEAM_TILE);
+#ifdef REFINES
+    let last_tile = vec2i(textureDimensions(coarse)) - 1;
+    let before = textureLoad(coarse, min(vec2i(in.position.xy * (TILE / COARSE_TILE)), last_tile), 0);
+    if before.r == FOR_EVER {
+        return before;
+    }
+#endif
+    let ray = pixel_ray(in.position.xy * TILE);
     // Half a tile reaches to the outer pixels' edges: half a pixel more than their rays need.
-    let footprint = 0.5 * BEAM_TILE * (abs(frame.ray_direction_right) + abs(frame.ray_direction_down));
+    let footprint = 0.5 * TILE * (abs(frame.ray_direction_right) + abs(frame.ray_direction_down));
     let margin = MARGIN * max(max(terrain.size.x, terrain.size.z), terrain.size.y);
 
     // The box, widened by the beam at the box's farthest corner: outside of it no ray of the tile
@@ -63,7 +80,12 @@ fn fs_main(in: varyings::Varyings) -> @location(0) vec4f {
     let per_height = select(0.0, 1.0 / direction.y, falling);
     // A node of this walk reads those one level up.
     let top = 0.5 * terrain.top_size;
+#ifdef REFINES
+    let from_start = max(before.r - begin, 0.0);
+    var walk = start(course, origin.xz + direction.xz * from_start, from_start, min(0.5 * before.g, top));
+#else
     var walk = start(course, origin.xz, 0.0, top);
+#endif
     let most_steps = min(terrain.step_cap, MOST_STEPS);
     while walk.steps < most_steps {
         walk.steps += 1u;

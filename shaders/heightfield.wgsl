@@ -17,10 +17,11 @@ struct Terrain {
     cells_per_unit: vec2f,
     // Share of the map that a sample takes up along x and z.
     texel_size: vec2f,
-    // Where in the pyramid's texture level 2 begins, and how far along it and in which direction levels 2, 3, … reach
-    // that together are twice as long as level 2. In texels.
-    pyramid_place: vec2f,
+    // How far along the pyramid's texture and in which direction its levels reach, together twice as long as level 1. In
+    // texels.
     pyramid_stack: vec2f,
+    // Repeats of the diffuse texture per cell along x and z.
+    repeats_per_cell: vec2f,
     // Share of the pyramid's texture that a node takes up along x and z.
     pyramid_texel: vec2f,
     // Samples of the crater layer along x and z, less one.
@@ -147,7 +148,12 @@ struct Segment {
 }
 
 // The parameter of a ray that meets nothing.
+#ifdef DEEP_ZOOM
+// Parameters count from the anchor there, and may be negative.
+const NO_HIT: f32 = 1e30;
+#else
 const NO_HIT: f32 = -1.0;
+#endif
 
 struct Hit {
     // Parameter along the segment, or NO_HIT.

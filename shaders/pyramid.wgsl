@@ -8,7 +8,7 @@
 
 #import relief::heightfield::{terrain, corner_sampler}
 
-// Level 1 at the origin; the coarser ones begin at `pyramid_place` and follow one another along `pyramid_stack`.
+// The levels follow one another along `pyramid_stack`, level 1 first.
 @group(1) @binding(3) var pyramid: texture_2d<f32>;
 
 // A ray that is parallel to an axis gets this reciprocal: large, but finite, so that 0 · RECIPROCAL_OF_ZERO is 0.
@@ -30,16 +30,20 @@ fn reciprocal_of_power(power: f32) -> f32 {
 
 // Where the level of nodes of `size` cells, at least 2, begins in the texture; in texels.
 fn level_place(size: f32) -> vec2f {
-    // Each level is half as long as the one before, so those from level 2 on take up half the stack, then a quarter, ….
-    let beside = terrain.pyramid_place + terrain.pyramid_stack * (1.0 - 4.0 * reciprocal_of_power(size));
-    return select(vec2f(0.0), beside, size > 2.0);
+    // Each level is half as long as the one before: together they fill a half of the stack, then a quarter, ….
+    return terrain.pyramid_stack * (1.0 - 2.0 * reciprocal_of_power(size));
+}
+
+// Highest ground of the node held there, as the texture holds it.
+fn stored_height(place: vec2f) -> f32 {
+    // Sampled at a texel's centre: a sampler's address costs less than that of a load, which can have any mip.
+    return textureSampleLevel(pyramid, corner_sampler, place, 0.0).r;
 }
 
 // Highest ground of the node (column and row) of `size` cells, at least 2; world units.
 fn node_height(node: vec2f, size: f32) -> f32 {
-    // Sampled at a texel's centre: a sampler's address costs less than that of a load, which can have any mip.
-    let centre = (level_place(size) + node + 0.5) * terrain.pyramid_texel;
-    return textureSampleLevel(pyramid, corner_sampler, centre, 0.0).r * terrain.height_unit + terrain.layer_rise;
+    return stored_height((level_place(size) + node + 0.5) * terrain.pyramid_texel) * terrain.height_unit
+        + terrain.layer_rise;
 }
 
 // Highest ground of the 2 × 2 nodes of `size` cells whose first (column and row) is `first`, from −1 to the last one;
@@ -102,6 +106,27 @@ fn node_of(course: Course, walk: Walk) -> vec2f {
 // Parameters at which the ray reaches positions along the two axes.
 fn reached(course: Course, position: vec2f) -> vec2f {
     return (position - course.origin) * course.inverse;
+}
+
+// Where in the pyramid's texture the nodes on a course are held: at `base`, and from there by `along` for each wall and
+// back by `fold` over the node's size. A few operations less per node than by the level's place.
+struct Places {
+    base: vec2f,
+    along: vec2f,
+    fold: vec2f,
+}
+
+fn places_on(course: Course) -> Places {
+    return Places(
+        (course.shift + 0.5 + terrain.pyramid_stack) * terrain.pyramid_texel,
+        course.sign * terrain.pyramid_texel,
+        2.0 * terrain.pyramid_stack * terrain.pyramid_texel,
+    );
+}
+
+// The place of the node of `size` cells, at least 2, with these walls ahead.
+fn place_of(places: Places, wall: vec2f, size: f32) -> vec2f {
+    return places.base + places.along * wall - places.fold * reciprocal_of_power(size);
 }
 
 // The walk in the node behind the nearer wall, at `leave`; `through_x` says which. Where that wall is one of the node's

@@ -26,9 +26,14 @@ fn smoothing_weights(f: f32) -> vec4f {
 // Normal of the ground at the grid position `p`, world space: the Sobel gradients of the four samples around it,
 // interpolated, so that it is continuous although the patches have creases. The operator is separable, and so is the
 // interpolation: both together are one weight for each row and column of the 4×4 samples around the cell.
+#ifdef DEEP_ZOOM
+// Here at the fraction `f` of the way across `cell`.
+fn normal_in_cell(cell: vec2f, f: vec2f) -> vec3f {
+#else
 fn ground_normal(p: vec2f) -> vec3f {
     let cell = clamp(floor(p), vec2f(0.0), terrain.cells - 1.0);
     let f = p - cell;
+#endif
     let north_west = cell_corners(cell - 1.0);
     let north_east = cell_corners(cell + vec2f(1.0, -1.0));
     let south_west = cell_corners(cell + vec2f(-1.0, 1.0));
@@ -51,7 +56,7 @@ fn ground_normal(p: vec2f) -> vec3f {
 // Reflectance of the ground at the grid position `p`, seen at the view depth `depth`.
 fn ground_albedo(p: vec2f, depth: f32) -> vec3f {
 #ifdef DIFFUSE_TEXTURE
-    let uv = p / terrain.cells * terrain.repeats;
+    let uv = p * terrain.repeats_per_cell;
     // Texels under the pixel choose the mip; there are no derivatives after a march.
     let texels = depth * frame.pixel_size * terrain.texel_density * terrain.repeats;
     let root = textureSampleLevel(diffuse_texture, diffuse_sampler, uv, log2(max(texels, 1.0))).rgb;

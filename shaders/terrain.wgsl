@@ -2,9 +2,12 @@
 // its ray through the height field.
 
 #import relief::frame::{frame, Ray, pixel_ray, slabs, cube_corner}
+#ifdef DEEP_ZOOM
+#import relief::anchor
+#endif
 #import relief::constants::NEAR
 #ifdef BEAM
-#import relief::beam::BEAM_TILE
+#import relief::beam::FINE_TILE
 #endif
 #import relief::srgb::from_srgb
 #import relief::heightfield::{terrain, Segment, Hit, NO_HIT}
@@ -36,6 +39,11 @@
 #ifdef BEAM
 // Per tile of pixels: parameter where its rays may start, and the side in cells of the node to start in.
 @group(1) @binding(8) var beams: texture_2d<f32>;
+#endif
+
+#ifdef DEEP_ZOOM
+// Share of a beam's start that it is put back: more than its rounding on the way to the anchor's parameters.
+const BEAM_SLACK: f32 = 1e-6;
 #endif
 
 #ifdef GIVEN_DISTANCES
@@ -71,7 +79,8 @@ fn vs_main(@builtin(vertex_index) index: u32) -> varyings::Varyings {
 }
 
 struct Fragment {
-    // The picture, linear light; or, for a probe: distance, steps, capped, view depth beyond `frame.ray_start`.
+    // The picture, linear light; or, for a probe: distance, steps, capped (and twice the number of the anchor), view depth
+    // beyond that from which the ray counts.
     @location(0) color: vec4f,
 #ifndef VIEW_POSITION
     @builtin(frag_depth) depth: f32,
@@ -98,31 +107,65 @@ struct Span {
 }
 
 fn clip_to_box(ray: Ray) -> Span {
+#ifdef DEEP_ZOOM
+    let faces = slabs(ray, anchor::anchor.low, anchor::anchor.high);
+#else
 #ifdef LOWER_START
     let top = terrain.highest;
 #else
     let top = terrain.size.y;
 #endif
     let faces = slabs(ray, vec3f(0.0), vec3f(terrain.size.x, top, terrain.size.z));
+#endif
     let enter = faces.enter;
     let leave = faces.leave;
     let end = min(min(leave.x, leave.y), leave.z);
     let into = max(max(enter.x, enter.y), enter.z);
+#ifdef DEEP_ZOOM
+    let outside = into > -anchor::anchor.depth;
+#else
     let outside = into > -frame.ray_start;
+#endif
     let axis = select(select(2u, 1u, enter.y == into), 0u, enter.x == into);
+#ifdef DEEP_ZOOM
+    let begin = select(-anchor::anchor.depth, into, outside);
+#else
     let begin = select(-frame.ray_start, into, outside);
+#endif
     return Span(begin, end, select(3u, axis, outside), ray.direction.y < 0.0 && leave.y == end);
 }
+
+#ifdef DEEP_ZOOM
+// What is met by the piece of the ray that counts from the present anchor.
+fn anchored_hit(ray: Ray, span: Span, beam: vec4f, verticality: f32) -> Hit {
+    // The ground is nowhere below the floor: a ray that comes in through it is in the ground, whatever rounding says.
+    if span.axis == 1u && ray.direction.y > 0.0 {
+        return Hit(span.begin, 1u, 0u);
+    }
+    let shift = anchor::anchor.beam_shift;
+    let from_beam = beam.r - shift - BEAM_SLACK * (abs(beam.r) + abs(shift));
+    let begin = max(max(from_beam, span.begin), anchor::anchor.begin);
+    let end = min(span.end, anchor::anchor.end);
+    return march(Segment(ray.origin, ray.direction, end, verticality, begin, beam.g));
+}
+#endif
 
 @fragment
 fn fs_main(in: varyings::Varyings) -> Fragment {
     varyings::receive(in);
     let ray = pixel_ray(in.position.xy);
+#ifdef DEEP_ZOOM
+    anchor::receive(0u);
+    var anchored = anchor::anchored_ray(in.position.xy);
+    var span = clip_to_box(anchored);
+#else
     let span = clip_to_box(ray);
+#endif
     if span.begin > span.end {
         discard;
     }
     let length_of_direction = length(ray.direction);
+#ifndef DEEP_ZOOM
     let scale = vec3f(terrain.cells_per_unit.x, 1.0, terrain.cells_per_unit.y);
     let inside = terrain.cells;
     var origin = (ray.origin + ray.direction * span.begin) * scale;
@@ -130,12 +173,15 @@ fn fs_main(in: varyings::Varyings) -> Fragment {
     let height = select(origin.y, 0.0, span.axis == 1u && ray.direction.y > 0.0);
     origin = vec3f(clamp(origin.x, 0.0, inside.x), height, clamp(origin.z, 0.0, inside.y));
     let direction = ray.direction * scale;
+#endif
     let verticality = abs(ray.direction.y) / length_of_direction;
 #ifdef BEAM
     let last_tile = vec2i(textureDimensions(beams)) - 1;
-    let beam = textureLoad(beams, min(vec2i(in.position.xy) / i32(BEAM_TILE), last_tile), 0);
+    let beam = textureLoad(beams, min(vec2i(in.position.xy) / i32(FINE_TILE), last_tile), 0);
+#ifndef DEEP_ZOOM
     let begin = max(beam.r - span.begin, 0.0);
     let segment = Segment(origin, direction, span.end - span.begin, verticality, begin, beam.g);
+#endif
 #else
     let segment = Segment(origin, direction, span.end - span.begin, verticality);
 #endif
@@ -143,11 +189,37 @@ fn fs_main(in: varyings::Varyings) -> Fragment {
     let hit = given_hit(in.position.xy, frame.ray_start + span.begin, length_of_direction);
     var at = hit.at;
 #else
+#ifdef DEEP_ZOOM
+    var hit = Hit(NO_HIT, 0u, 0u);
+    var turn = 0u;
+    var counted_from = 0u;
+    while turn < anchor::MOST_ANCHORS {
+        let index = turn;
+        turn += 1u;
+        if hit.at != NO_HIT || hit.capped != 0u || !anchor::is_needed(index) {
+            break;
+        }
+        counted_from = index;
+        anchor::receive(index);
+        anchored = anchor::anchored_ray(in.position.xy);
+        span = clip_to_box(anchored);
+        let steps = hit.steps;
+        hit = anchored_hit(anchored, span, beam, verticality);
+        hit.steps += steps;
+    }
+    let origin = anchored.origin;
+    let direction = anchored.direction;
+#else
     let hit = march(segment);
+#endif
     var at = hit.at;
     if at == NO_HIT && span.to_floor {
         // The floor is nowhere above the ground: only rounding brings a ray to it without a hit.
+#ifdef DEEP_ZOOM
+        at = span.end;
+#else
         at = segment.end;
+#endif
     }
 #endif
     let missed = at == NO_HIT;
@@ -175,14 +247,27 @@ fn fs_main(in: varyings::Varyings) -> Fragment {
 #endif
 #endif
 #else
+#ifdef DEEP_ZOOM
+        at = span.end;
+#else
         at = segment.end;
 #endif
+#endif
     }
+#ifdef DEEP_ZOOM
+    let depth = anchor::anchor.depth + at;
+    let at_entry = at == span.begin;
+#else
     let depth = frame.ray_start + span.begin + at;
+#endif
     let written = min(NEAR / max(depth, NEAR), 1.0);
 
 #ifdef PROBE
+#ifdef DEEP_ZOOM
+    return Fragment(vec4f(depth * length_of_direction, f32(hit.steps), f32(hit.capped + 2u * counted_from), at), written);
+#else
     return Fragment(vec4f(depth * length_of_direction, f32(hit.steps), f32(hit.capped), span.begin + at), written);
+#endif
 #endif
 #ifdef VIEW_STEPS
     return Fragment(vec4f(heat_map(f32(hit.steps) / terrain.heat_map_max), 1.0), written);
@@ -201,13 +286,26 @@ fn fs_main(in: varyings::Varyings) -> Fragment {
 #endif
 #ifdef VIEW_NORMALS
     let p = origin + direction * at;
+#ifdef DEEP_ZOOM
+    let facing = surface_normal(at_entry, span.axis, anchor::place_at(p.xz, terrain.cells), ray.direction);
+#else
     let facing = surface_normal(at == 0.0, span.axis, p.xz, ray.direction);
+#endif
     return Fragment(vec4f(from_srgb(0.5 * facing + 0.5), 1.0), written);
 #endif
 #ifdef SHADED
+#ifdef DEEP_ZOOM
+    let anchored_point = origin + direction * at;
+    let place = anchor::place_at(anchored_point.xz, terrain.cells);
+    // For colours, which a sampler's filter blends in 256 steps, f32 is fine enough from the map's corner, too.
+    let xz = place.cell + place.within;
+    let point = vec3f(xz.x, (anchor::anchor.height + anchored_point.y) / anchor::anchor.shares_per_unit, xz.y);
+    let wall = at_entry && (span.axis != 1u || ray.direction.y > 0.0);
+#else
     let point = origin + direction * at;
     // A hit where the ray comes in is the cut side of the box, unless it came in through the lid.
     let wall = at == 0.0 && (span.axis != 1u || ray.direction.y > 0.0);
+#endif
     var albedo: vec3f;
     if wall {
         albedo = shading::wall_albedo(point.y);
@@ -215,8 +313,12 @@ fn fs_main(in: varyings::Varyings) -> Fragment {
         albedo = shading::ground_albedo(point.xz, depth);
     }
 #ifdef LIGHTING
+#ifdef DEEP_ZOOM
+    let normal = surface_normal(at_entry, span.axis, place, ray.direction);
+#else
     let normal = surface_normal(at == 0.0, span.axis, point.xz, ray.direction);
-    albedo = shading::lit(albedo, normal, -ray.direction / length_of_direction);
+#endif
+    albedo = shading::lit(albedo, normal, ray.direction * (-1.0 / length_of_direction));
 #endif
     return Fragment(vec4f(albedo, 1.0), written);
 #endif
@@ -224,7 +326,11 @@ fn fs_main(in: varyings::Varyings) -> Fragment {
 
 #ifdef SURFACE_NORMAL
 // Normal of what was hit: the face for a hit at the box's side or floor, the ground's otherwise.
+#ifdef DEEP_ZOOM
+fn surface_normal(at_entry: bool, axis: u32, p: anchor::Place, direction: vec3f) -> vec3f {
+#else
 fn surface_normal(at_entry: bool, axis: u32, p: vec2f, direction: vec3f) -> vec3f {
+#endif
     if at_entry && axis == 3u {
         // The eye is in the ground.
         return -normalize(direction);
@@ -234,7 +340,11 @@ fn surface_normal(at_entry: bool, axis: u32, p: vec2f, direction: vec3f) -> vec3
         normal[axis] = -sign(direction[axis]);
         return normal;
     }
+#ifdef DEEP_ZOOM
+    return shading::normal_in_cell(p.cell, p.within);
+#else
     return shading::ground_normal(p);
+#endif
 }
 #endif
 

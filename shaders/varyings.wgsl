@@ -17,7 +17,7 @@ struct Varyings {
 #endif
 #ifdef FLAT_CONSTANTS
     // Fifteen places are all that every adapter has.
-    @location(0) @interpolate(flat) stack_farthest_and_height_unit: vec4f,
+    @location(0) @interpolate(flat) farthest_height_unit_and_repeats_per_cell: vec4f,
     @location(1) @interpolate(flat) origin_and_start: vec4f,
     @location(2) @interpolate(flat) origin_right_and_pixel_size: vec4f,
     @location(3) @interpolate(flat) origin_down_and_texel_density: vec4f,
@@ -27,7 +27,7 @@ struct Varyings {
     @location(7) @interpolate(flat) size_and_highest: vec4f,
     @location(8) @interpolate(flat) cells_and_cells_per_unit: vec4f,
     @location(9) @interpolate(flat) texel_size_and_layer_cells: vec4f,
-    @location(10) @interpolate(flat) pyramid_place_and_texel: vec4f,
+    @location(10) @interpolate(flat) pyramid_stack_and_texel: vec4f,
     @location(11) @interpolate(flat) samples_top_size_and_layer_rise: vec4f,
     @location(12) @interpolate(flat) binary_steps_and_step_cap: vec2u,
     @location(13) @interpolate(flat) sun_and_ambient: vec4f,
@@ -51,10 +51,10 @@ fn at(position: vec4f) -> Varyings {
     out.size_and_highest = vec4f(terrain.size, terrain.highest);
     out.cells_and_cells_per_unit = vec4f(terrain.cells, terrain.cells_per_unit);
     out.texel_size_and_layer_cells = vec4f(terrain.texel_size, terrain.layer_cells);
-    out.pyramid_place_and_texel = vec4f(terrain.pyramid_place, terrain.pyramid_texel);
+    out.pyramid_stack_and_texel = vec4f(terrain.pyramid_stack, terrain.pyramid_texel);
     out.samples_top_size_and_layer_rise = vec4f(terrain.samples, terrain.top_size, terrain.layer_rise);
-    out.stack_farthest_and_height_unit =
-        vec4f(terrain.pyramid_stack, terrain.farthest, terrain.height_unit);
+    out.farthest_height_unit_and_repeats_per_cell =
+        vec4f(terrain.farthest, terrain.height_unit, terrain.repeats_per_cell);
     out.binary_steps_and_step_cap = vec2u(terrain.binary_steps, terrain.step_cap);
     out.sun_and_ambient = vec4f(terrain.sun, terrain.ambient);
     out.light_and_repeats = vec4f(terrain.diffuse, terrain.specular, terrain.shininess, terrain.repeats);
@@ -81,14 +81,14 @@ fn receive(in: Varyings) {
     terrain.cells_per_unit = in.cells_and_cells_per_unit.zw;
     terrain.texel_size = in.texel_size_and_layer_cells.xy;
     terrain.layer_cells = in.texel_size_and_layer_cells.zw;
-    terrain.pyramid_place = in.pyramid_place_and_texel.xy;
-    terrain.pyramid_texel = in.pyramid_place_and_texel.zw;
+    terrain.pyramid_stack = in.pyramid_stack_and_texel.xy;
+    terrain.pyramid_texel = in.pyramid_stack_and_texel.zw;
     terrain.samples = in.samples_top_size_and_layer_rise.xy;
     terrain.top_size = in.samples_top_size_and_layer_rise.z;
     terrain.layer_rise = in.samples_top_size_and_layer_rise.w;
-    terrain.pyramid_stack = in.stack_farthest_and_height_unit.xy;
-    terrain.farthest = in.stack_farthest_and_height_unit.z;
-    terrain.height_unit = in.stack_farthest_and_height_unit.w;
+    terrain.farthest = in.farthest_height_unit_and_repeats_per_cell.x;
+    terrain.height_unit = in.farthest_height_unit_and_repeats_per_cell.y;
+    terrain.repeats_per_cell = in.farthest_height_unit_and_repeats_per_cell.zw;
     terrain.binary_steps = in.binary_steps_and_step_cap.x;
     terrain.step_cap = in.binary_steps_and_step_cap.y;
     terrain.sun = in.sun_and_ambient.xyz;

@@ -137,9 +137,9 @@ fn the_defaults_cost_what_they_show() {
     let mut renderer = renderer(&canyon());
     let ledger = frame(&mut renderer, &start());
     print("defaults", &ledger);
-    assert_eq!(ledger.passes, ["beam", "terrain", "skybox"]);
+    assert_eq!(ledger.passes, ["coarse beam", "beam", "terrain", "skybox"]);
     assert_eq!(ledger.draws, 3);
-    assert_eq!(textures(&ledger), ["heights", "pyramid", "diffuse", "sky", "beam", "picture", "depth"]);
+    assert_eq!(textures(&ledger), ["heights", "pyramid", "diffuse", "sky", "coarse beam", "beam", "picture", "depth"]);
     for def in ["SHADED", "LIGHTING", "SURFACE_NORMAL", "DIFFUSE_TEXTURE", "LOWER_START", "DISCARD_MISSES"] {
         assert!(has_def(&ledger, def), "{def}");
     }
@@ -221,7 +221,7 @@ fn an_occluder_costs_only_while_it_is_in_view() {
     assert_eq!((&behind.passes, behind.draws, &behind.pipelines), (&off.passes, off.draws, &off.pipelines));
     scene.occluder.position = None;
     let seen = frame(&mut renderer, &scene);
-    assert_eq!(seen.passes, ["beam", "terrain", "occluder", "skybox"]);
+    assert_eq!(seen.passes, ["coarse beam", "beam", "terrain", "occluder", "skybox"]);
     assert_eq!(seen.texture_bytes, off.texture_bytes);
 }
 
@@ -250,7 +250,7 @@ fn what_is_off_has_no_def_and_no_texture() {
     let plain = cheaper(&|scene| scene.diffuse.enabled = false);
     assert!(!has_def(&plain, "DIFFUSE_TEXTURE") && !has_texture(&plain, "diffuse"));
     let bare = cheaper(&|scene| scene.skybox.enabled = false);
-    assert!(!has_texture(&bare, "sky") && bare.passes == ["beam", "terrain"]);
+    assert!(!has_texture(&bare, "sky") && bare.passes == ["coarse beam", "beam", "terrain"]);
     for technique in [Technique::Linear, Technique::LinearBinary, Technique::Secant] {
         let sampled = cheaper(&|scene| scene.march.technique = technique);
         let built = ["pyramid", "beam", "cones"].map(|name| has_texture(&sampled, name));
@@ -321,7 +321,7 @@ fn pipelines_are_built_on_first_use_and_kept() {
     let mut lit = start();
     let mut dark = start();
     dark.lighting.enabled = false;
-    assert_eq!(frame(&mut renderer, &lit).pipelines.len(), 3, "beam, terrain and skybox");
+    assert_eq!(frame(&mut renderer, &lit).pipelines.len(), 4, "two beams, terrain and skybox");
     assert_eq!(frame(&mut renderer, &dark).pipelines.len(), 4);
     assert_eq!(frame(&mut renderer, &lit).pipelines.len(), 4, "back to one that is there");
     // Numbers are not compiled in, and neither is what the technique does not use.
@@ -344,9 +344,9 @@ fn the_error_view_pays_for_its_exact_distances_and_nothing_else_does() {
     scene.debug.view = DebugView::Error;
     let on = frame(&mut renderer, &scene);
     print("error view", &on);
-    assert_eq!(on.passes, ["beam", "exact", "terrain"]);
+    assert_eq!(on.passes, ["coarse beam", "beam", "exact", "terrain"]);
     assert_eq!(on.draws, 3);
-    assert_eq!(textures(&on), ["heights", "pyramid", "beam", "exact", "picture", "depth"]);
+    assert_eq!(textures(&on), ["heights", "pyramid", "coarse beam", "beam", "exact", "picture", "depth"]);
     assert!(has_def(&on, "VIEW_ERROR") && !has_def(&on, "BEAM"));
     let size = (SIZE[0] * SIZE[1]) as usize;
     renderer.set_reference(SIZE, Some(&vec![f32::INFINITY; size])).unwrap();
@@ -375,7 +375,7 @@ fn a_comparison_costs_a_draw_and_only_while_it_shows() {
     scene.compare.technique = Technique::Linear;
     let on = frame(&mut renderer, &scene);
     print("compared", &on);
-    assert_eq!(on.passes, ["beam", "terrain", "compare", "skybox"]);
+    assert_eq!(on.passes, ["coarse beam", "beam", "terrain", "compare", "skybox"]);
     assert_eq!((on.draws, textures(&on)), (off.draws + 1, textures(&off)), "no texture of its own");
     scene.march.technique = Technique::LinearBinary;
     let sampled = frame(&mut renderer, &scene);

@@ -7,6 +7,10 @@
 #![expect(clippy::unwrap_used, clippy::panic, reason = "a test may fail loudly")]
 
 mod common;
+#[path = "twin/crest.rs"]
+mod crest;
+#[path = "twin/deep.rs"]
+mod deep;
 #[path = "twin/random.rs"]
 mod random;
 

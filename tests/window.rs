@@ -3,6 +3,8 @@
 #![cfg(target_os = "linux")]
 #![expect(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test may fail loudly")]
 
+#[path = "window/desktop.rs"]
+mod desktop;
 #[path = "window/harness.rs"]
 mod harness;
 
@@ -20,11 +22,16 @@ mod idle;
 mod keys;
 #[path = "window/panel.rs"]
 mod panel;
+#[path = "window/scale.rs"]
+mod scale;
 #[cfg(debug_assertions)]
 #[path = "window/shaders.rs"]
 mod shaders;
 #[path = "window/sizes.rs"]
 mod sizes;
+#[cfg(debug_assertions)]
+#[path = "window/surface.rs"]
+mod surface;
 #[path = "window/typing.rs"]
 mod typing;
 #[path = "window/weather.rs"]

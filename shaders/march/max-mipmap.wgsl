@@ -5,7 +5,7 @@
 #import relief::constants::MOST_STEPS
 #import relief::heightfield::{terrain, Segment, Hit, NO_HIT, cell_corners, bilinear}
 #import relief::pyramid::{
-    RECIPROCAL_OF_ZERO, Walk, lesser, greater, course_along, start, node_of, node_height, reached, moved_on, either,
+    RECIPROCAL_OF_ZERO, Walk, lesser, greater, course_along, start, node_of, places_on, place_of, stored_height, reached, moved_on, either,
 }
 
 // A falling ray is stopped short of the height at which it may first meet the ground of a node by this share of its
@@ -27,7 +27,8 @@ fn intersect_patch(corners: vec4f, local: vec3f, direction: vec3f, length: f32) 
         - k * (local.x * direction.z + local.z * direction.x);
     let discriminant = linear * linear - 4.0 * quadratic * c;
     let root = sqrt(max(discriminant, 0.0));
-    let t = select(-(linear + root) / (2.0 * quadratic), 2.0 * c / (root - linear), linear <= 0.0);
+    let approaching = linear <= 0.0;
+    let t = select(-(linear + root), 2.0 * c, approaching) / select(2.0 * quadratic, root - linear, approaching);
     let meets = discriminant >= 0.0 && t >= 0.0 && t <= length;
     return select(select(NO_HIT, t, meets), 0.0, c <= 0.0);
 }
@@ -46,9 +47,16 @@ fn march(ray: Segment) -> Hit {
     let falling = ray.direction.y < 0.0;
     // Parameter per height; 0 for a ray that does not fall.
     let per_height = select(0.0, (1.0 - SHORT) / ray.direction.y, falling);
-    // The same in height, and more than the rounding of a height on the ray: a ray so little above a node's highest
-    // ground counts as having met it.
-    let slack = 2.0 * SHORT * abs(ray.origin.y);
+    // Heights on the ray as the pyramid's texture holds them, and less than they are by more than their rounding: a ray so
+    // little above a node's highest ground counts as having met it.
+    let per_unit = 1.0 / terrain.height_unit;
+    let slack = SHORT * (2.0 * abs(ray.origin.y) + terrain.size.y);
+    let origin_stored = (ray.origin.y - slack - terrain.layer_rise) * per_unit;
+    let slope_stored = ray.direction.y * per_unit;
+    // The same for a ray that falls; one that does not is below any ground when it has passed a middle.
+    let origin_fallen = select(-RECIPROCAL_OF_ZERO, origin_stored, falling);
+    let slope_fallen = select(0.0, slope_stored, falling);
+    let places = places_on(course);
     let first_cell = clamp(floor(origin + direction * ray.begin), vec2f(0.0), terrain.cells - 1.0);
     var walk = start(course, first_cell, ray.begin, ray.size);
     let most_steps = min(terrain.step_cap, MOST_STEPS);
@@ -56,36 +64,47 @@ fn march(ray: Segment) -> Hit {
         // Down and across through the pyramid, until the ray may meet a cell. A loop of its own: where many rays walk
         // in step, none of them pays for the cells of the others here. Each turn waits for the height of one node;
         // all that does not need it is prepared meanwhile, and what the next turn's node needs is a comparison with it.
+        var place = place_of(places, walk.wall, walk.size);
         while (walk.size > 1.0) & (walk.steps < most_steps) {
             walk.steps += 1u;
-            let height = node_height(node_of(course, walk), walk.size);
+            let stored = stored_height(place);
             let walls = walk.wall * walk.size;
             let ahead = reached(course, walls);
             let through_x = ahead.x <= ahead.y;
             // A wall that rounding puts behind the ray must not move it backwards.
             let leave = greater(lesser(select(ahead.y, ahead.x, through_x), ray.end), walk.t);
-            let lowest = ray.origin.y + ray.direction.y * select(walk.t, leave, falling);
+            let lowest = origin_stored + slope_stored * select(walk.t, leave, falling);
             var onward = moved_on(walk, through_x, leave, terrain.top_size);
+            let onward_place = place_of(places, onward.wall, onward.size);
             if leave >= ray.end || select(walls.y >= course.border.y, walls.x >= course.border.x, through_x) {
                 onward.size = 0.0;
             }
-            // The child that the ray is in at `walk.t`, or when it has fallen to the node's highest ground. One beyond the
+            // The child that the ray is in at `walk.t`, or when it has fallen to the node's highest ground: the first one
+            // along an axis if the ray has its middle ahead and the ground is higher than the ray is there. One beyond the
             // map's border, where rounding can put the end of a ray, is not entered.
-            let middle = walls - 0.5 * walk.size;
+            let half = 0.5 * walk.size;
+            let middle = walls - half;
             let middle_at = reached(course, middle);
-            let ahead_of_middle = (vec2f(walk.t) < middle_at) | (middle >= course.border);
-            let height_at_middle = select(
+            let at_middle = vec2f(origin_fallen) + slope_fallen * middle_at;
+            let first_above = select(
+                select(vec2f(RECIPROCAL_OF_ZERO), at_middle, vec2f(walk.t) < middle_at),
                 vec2f(-RECIPROCAL_OF_ZERO),
-                ray.origin.y + ray.direction.y * middle_at - slack,
-                vec2<bool>(falling) & (middle < course.border),
+                middle >= course.border,
             );
-            let first = ahead_of_middle & (vec2f(height) > height_at_middle);
+            let last_wall = 2.0 * walk.wall;
+            let last_place = place_of(places, last_wall, half);
+            let first_place = last_place - places.along;
+            // Only this waits for the texture.
+            let first = vec2f(stored) > first_above;
+            let blocked = stored >= lowest;
+            place = select(onward_place, select(last_place, first_place, first), vec2<bool>(blocked));
             // It does not pass the middle in a child that ends there, or the patch would be met beyond its cell.
-            let stop = select(vec2f(leave), middle_at, first & (middle < course.border));
+            let stop = select(vec2f(leave), middle_at, first);
+            let height = stored * terrain.height_unit + terrain.layer_rise;
             let fallen = lesser((height - ray.origin.y) * per_height, lesser(lesser(stop.x, stop.y), leave));
             let low_enough = greater(fallen, walk.t);
-            let within = Walk(low_enough, 0.5 * walk.size, 2.0 * walk.wall - vec2f(first), walk.steps);
-            walk = either(onward, within, lowest <= height);
+            let within = Walk(low_enough, half, select(last_wall, last_wall - 1.0, first), walk.steps);
+            walk = either(onward, within, blocked);
         }
         if walk.size != 1.0 {
             // The ray has left the map, or was cut off on its way to a cell.
@@ -107,9 +126,9 @@ fn march(ray: Segment) -> Hit {
         if leave >= ray.end || wall >= select(course.border.y, course.border.x, through_x) {
             return Hit(NO_HIT, walk.steps, 0u);
         }
-        // Near the ground a node of 2 × 2 cells would mostly lead straight back down: it is tried every four cells.
-        let four = 0.25 * wall;
-        walk = moved_on(walk, through_x, leave, select(1.0, 2.0, four == floor(four)));
+        // Near the ground a node of 2 × 2 cells would mostly lead straight back down: it is tried every eight cells.
+        let eight = 0.125 * wall;
+        walk = moved_on(walk, through_x, leave, select(1.0, 2.0, eight == floor(eight)));
     }
     return Hit(walk.t, most_steps, 1u);
 }

@@ -103,6 +103,8 @@ pub(crate) enum Shortcut {
     Quit,
     /// Destroys the GPU device, to try what a driver's reset would do. Debug builds only.
     LoseDevice,
+    /// Loses the window's surface, to try what a window system may do. Debug builds only.
+    LoseSurface,
 }
 
 impl Shortcut {
@@ -119,6 +121,7 @@ impl Shortcut {
                 _ if is('q', KeyCode::KeyQ) && !shift => Some(Self::Quit),
                 KeyCode::Backspace if shift => Some(Self::ClearCraters),
                 KeyCode::F9 if shift && cfg!(debug_assertions) => Some(Self::LoseDevice),
+                KeyCode::F10 if shift && cfg!(debug_assertions) => Some(Self::LoseSurface),
                 _ => None,
             };
         }

@@ -122,6 +122,9 @@ impl Viewer {
     fn run_egui(&mut self, graphics: &Graphics, event_loop: &ActiveEventLoop, now: Instant) -> (Ui, Vec<Command>) {
         let window = self.window.clone();
         let ctx = self.egui.egui_ctx().clone();
+        if let Some(factor) = self.scale.change_of_zoom(window.scale_factor()) {
+            ctx.set_zoom_factor(ctx.zoom_factor() * factor);
+        }
         let input = self.egui.take_egui_input(&window);
         let timestamps = graphics.gpu.capabilities.timestamps;
         self.hint = self.hint.take().filter(|(_, until)| *until > now);

@@ -80,6 +80,11 @@ impl Graphics {
         resized
     }
 
+    /// Loses the surface, as a window system may: [`Surface::lose`].
+    pub(crate) fn lose_surface(&mut self) {
+        self.surface.lose();
+    }
+
     /// Shows the kept picture, where there is one, and egui over it: one pass.
     pub(crate) fn present(&mut self, window: &Window, mut ui: Ui, picture: bool) -> Result<Shown, RenderError> {
         let Gpu { device, queue, .. } = &*self.gpu;

@@ -18,12 +18,15 @@ use crate::camera::NamedView;
 /// How long a hint stays.
 const HINT_TIME: Duration = Duration::from_millis(1400);
 
+/// How long it stays where it has to say why nothing happened.
+const REFUSAL_TIME: Duration = Duration::from_secs(4);
+
 /// Pixels of a touchpad that count as one notch of a wheel.
 const PIXELS_PER_NOTCH: f64 = 40.0;
 
 impl Viewer {
     /// Handles an event of the window, first by egui.
-    pub(crate) fn window_event(&mut self, graphics: &Graphics, event: &WindowEvent, now: Instant) {
+    pub(crate) fn window_event(&mut self, graphics: &mut Graphics, event: &WindowEvent, now: Instant) {
         let of_mouse = matches!(
             event,
             WindowEvent::CursorMoved { .. } | WindowEvent::MouseInput { .. } | WindowEvent::MouseWheel { .. }
@@ -39,7 +42,14 @@ impl Viewer {
         }
         match event {
             WindowEvent::Occluded(hidden) => self.hidden = *hidden,
-            WindowEvent::Resized(_) | WindowEvent::ScaleFactorChanged { .. } => self.hidden = false,
+            WindowEvent::Resized(_) => self.hidden = false,
+            WindowEvent::ScaleFactorChanged { scale_factor, inner_size_writer } => {
+                self.hidden = false;
+                if !self.scale.tell(*scale_factor, self.window.scale_factor()) {
+                    // The window has its new size already. Fails only where the window system takes no wishes.
+                    let _ = inner_size_writer.clone().request_inner_size(self.window.inner_size());
+                }
+            }
             WindowEvent::Focused(false) => {
                 self.fly.release_all();
                 (self.pointer.dragging, self.pointer.splitting) = (false, false);
@@ -81,6 +91,12 @@ impl Viewer {
         self.redraw.invalidate();
     }
 
+    /// Says why a key did nothing.
+    fn refuse(&mut self, text: String, now: Instant) {
+        self.hint = Some((text, now + REFUSAL_TIME));
+        self.redraw.invalidate();
+    }
+
     fn turn(&mut self, moved: DVec2) {
         let mut camera = self.camera();
         look(&mut camera, moved);
@@ -100,7 +116,9 @@ impl Viewer {
         }
         if self.pointer.splitting {
             let width = f64::from(self.window.inner_size().width).max(1.0);
-            self.scene.compare.share = (cursor.x / width).clamp(0.0, 1.0);
+            // Under the panel the line could not be seen, nor taken hold of again.
+            let free = [self.free.left(), self.free.right()].map(|side| f64::from(side) * self.pixels_per_point());
+            self.scene.compare.share = (cursor.x.max(free[0]).min(free[1]) / width).clamp(0.0, 1.0);
             self.redraw.invalidate();
             return;
         }
@@ -115,8 +133,7 @@ impl Viewer {
     /// Whether the cursor is over the picture and not over the panel, a window of egui, or a drag that began there.
     fn cursor_is_free(&self) -> bool {
         let Some(cursor) = self.pointer.cursor else { return false };
-        let ctx = self.egui.egui_ctx();
-        let scale = f64::from(egui_winit::pixels_per_point(ctx, &self.window));
+        let (ctx, scale) = (self.egui.egui_ctx(), self.pixels_per_point());
         let position = egui::pos2((cursor.x / scale) as f32, (cursor.y / scale) as f32);
         let covered = ctx.layer_id_at(position).is_some_and(|layer| layer.order != egui::Order::Background);
         self.free.contains(position) && !covered && !ctx.egui_is_using_pointer()
@@ -124,9 +141,14 @@ impl Viewer {
 
     /// Whether a place of the window, physical pixels, is where the split line can be taken hold of.
     fn is_on_split_line(&self, cursor: DVec2) -> bool {
-        let scale = f64::from(egui_winit::pixels_per_point(self.egui.egui_ctx(), &self.window));
         let line = self.scene.compare.share * f64::from(self.window.inner_size().width);
-        overlay::is_split(&self.scene) && (cursor.x - line).abs() <= f64::from(overlay::SPLIT_REACH) * scale
+        let reach = f64::from(overlay::SPLIT_REACH) * self.pixels_per_point();
+        overlay::is_split(&self.scene) && (cursor.x - line).abs() <= reach
+    }
+
+    /// Physical pixels of the window per point of egui.
+    fn pixels_per_point(&self) -> f64 {
+        f64::from(egui_winit::pixels_per_point(self.egui.egui_ctx(), &self.window))
     }
 
     fn mouse_button(&mut self, state: ElementState, button: MouseButton) {
@@ -146,7 +168,7 @@ impl Viewer {
         }
     }
 
-    fn key(&mut self, graphics: &Graphics, event: &KeyEvent, synthetic: bool, now: Instant) {
+    fn key(&mut self, graphics: &mut Graphics, event: &KeyEvent, synthetic: bool, now: Instant) {
         let PhysicalKey::Code(key) = event.physical_key else { return };
         let direction = Direction::from_key(key);
         if event.state == ElementState::Released {
@@ -174,7 +196,7 @@ impl Viewer {
         }
     }
 
-    fn shortcut(&mut self, graphics: &Graphics, shortcut: Shortcut, now: Instant) {
+    fn shortcut(&mut self, graphics: &mut Graphics, shortcut: Shortcut, now: Instant) {
         self.redraw.invalidate();
         match shortcut {
             Shortcut::Capture => self.capture(!self.pointer.captured),
@@ -197,6 +219,7 @@ impl Viewer {
                 self.drawn = None;
                 graphics.gpu.device.destroy();
             }
+            Shortcut::LoseSurface => graphics.lose_surface(),
         }
     }
 
@@ -208,14 +231,14 @@ impl Viewer {
             _ if self.pointer.captured => centre,
             Some(cursor) if self.cursor_is_free() => cursor,
             _ => {
-                self.show_hint("No crater: the cursor is not over the picture.".into(), now);
+                self.refuse("No crater: the cursor is not over the picture. Point at the ground.".into(), now);
                 return;
             }
         };
         let map = graphics.renderer.terrain().map_or(&*self.map, |terrain| terrain.field());
         match picking::ground_at(map, self.extent(), &self.camera(), pixel, picture) {
             Ok(position) => picking::add_crater(&mut self.scene.craters, position),
-            Err(error) => self.show_hint(error.to_string(), now),
+            Err(error) => self.refuse(error.to_string(), now),
         }
     }
 

@@ -8,7 +8,7 @@
 //! | `viewer` | the state of the viewer, loading, shader reload, lost devices |
 //! | `commands`, `input` | what the panel asks for; keys, mouse and dropped files |
 //! | `frame` | one frame: fly, run the panel, draw the scene if it changed, present |
-//! | `graphics`, `surface` | what lives on the GPU, and the surface's life |
+//! | `graphics`, `surface`, `scale` | what lives on the GPU; the surface's life; the monitor's scale |
 //! | `controls`, `picking`, `redraw` | the fly camera, the crater under the cursor, when a frame is due: no window needed |
 //! | `settings`, `panel`, `overlay`, `toasts` | what egui draws |
 //! | `measure`, `tradeoff` | frame times and steps per ray; error against time of the techniques |
@@ -30,6 +30,7 @@ mod panel;
 mod picking;
 mod redraw;
 mod reference;
+mod scale;
 mod screenshot;
 mod settings;
 mod status;

@@ -58,6 +58,8 @@ pub(crate) struct Status<'a> {
     pub(crate) tradeoff: usize,
     /// Steps per ray: mean and maximum, where they are measured.
     pub(crate) steps: Option<(f64, u32)>,
+    /// The line of text over the picture, while it shows.
+    pub(crate) hint: Option<&'a str>,
     /// The last messages, oldest first.
     pub(crate) toasts: Vec<&'a str>,
     /// The widgets on screen.
@@ -184,7 +186,7 @@ impl Viewer {
             frame: self.frames,
             scene_frames: graphics.renderer.ledger().scene_frames,
             idle,
-            scale_factor: self.window.scale_factor(),
+            scale_factor: self.scale.of(self.window.scale_factor()),
             size: self.window.inner_size().into(),
             mouse_captured: self.pointer.captured,
             panel: self.view.panel,
@@ -200,6 +202,7 @@ impl Viewer {
             finding_cones: self.cones.progress(),
             tradeoff: self.tradeoff.results().len(),
             steps: self.steps(),
+            hint: self.hint.as_ref().map(|(text, _)| text.as_str()),
             toasts: self.toasts.history().collect(),
             widgets: &self.widgets,
         };
@@ -304,6 +307,7 @@ mod tests {
                 finding_cones: None,
                 tradeoff: 0,
                 steps: None,
+                hint: None,
                 toasts: vec!["hello"],
                 widgets: &[],
             };

@@ -25,11 +25,27 @@ pub(crate) enum Acquired {
 
 /// A surface, configured for a window.
 pub(crate) struct Surface {
-    inner: wgpu::Surface<'static>,
+    /// None: it was lost, and is to be made anew.
+    inner: Option<wgpu::Surface<'static>>,
     config: wgpu::SurfaceConfiguration,
     window: Arc<Window>,
     stale: bool,
     failures: u32,
+}
+
+/// What helps where the surface has no texture to draw to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Remedy {
+    /// It comes by itself, soon.
+    Wait,
+    /// It comes once the window can be seen.
+    Hide,
+    /// The surface has to be configured anew.
+    Configure,
+    /// There has to be a new surface.
+    Create,
+    /// Nothing that can be done with this device.
+    GiveUp(&'static str),
 }
 
 impl Surface {
@@ -46,7 +62,7 @@ impl Surface {
         let mut config = inner.get_default_config(adapter, size[0], size[1]).ok_or_else(unusable)?;
         config.format = preferred(&inner.get_capabilities(adapter).formats).unwrap_or(config.format);
         config.present_mode = present_mode(vsync);
-        Ok(Self { inner, config, window, stale: true, failures: 0 })
+        Ok(Self { inner: Some(inner), config, window, stale: true, failures: 0 })
     }
 
     /// The format of its textures.
@@ -69,12 +85,25 @@ impl Surface {
         }
     }
 
+    /// Loses the surface as a window system may at any time: it is gone, and with it what it would have shown. For a key
+    /// of debug builds.
+    pub(crate) fn lose(&mut self) {
+        self.inner = None;
+    }
+
     /// The texture to draw to. An outdated surface is configured anew, a lost one is made anew.
     pub(crate) fn acquire(&mut self, gpu: &Gpu) -> Acquired {
-        if std::mem::take(&mut self.stale) {
-            self.inner.configure(&gpu.device, &self.config);
-        }
-        match self.inner.get_current_texture() {
+        let answer = match &self.inner {
+            None => CurrentSurfaceTexture::Lost,
+            Some(inner) => {
+                if std::mem::take(&mut self.stale) {
+                    inner.configure(&gpu.device, &self.config);
+                }
+                inner.get_current_texture()
+            }
+        };
+        let remedy = remedy(&answer, self.failures);
+        match answer {
             CurrentSurfaceTexture::Success(frame) => {
                 self.failures = 0;
                 Acquired::Frame(frame)
@@ -84,23 +113,44 @@ impl Surface {
                 (self.failures, self.stale) = (0, true);
                 Acquired::Frame(frame)
             }
-            CurrentSurfaceTexture::Occluded => Acquired::Hidden,
-            CurrentSurfaceTexture::Timeout => Acquired::Later,
-            CurrentSurfaceTexture::Outdated | CurrentSurfaceTexture::Validation => self.retry("it stays outdated"),
-            CurrentSurfaceTexture::Lost => match gpu.instance.create_surface(self.window.clone()) {
-                Ok(surface) => {
-                    self.inner = surface;
-                    self.retry("it is lost again and again")
-                }
-                Err(error) => Acquired::Lost(error.to_string()),
-            },
+            _ => self.apply(remedy, gpu),
         }
     }
 
-    fn retry(&mut self, reason: &str) -> Acquired {
+    fn apply(&mut self, remedy: Remedy, gpu: &Gpu) -> Acquired {
+        match remedy {
+            Remedy::Wait => return Acquired::Later,
+            Remedy::Hide => return Acquired::Hidden,
+            Remedy::GiveUp(reason) => return Acquired::Lost(reason.into()),
+            Remedy::Configure => {}
+            Remedy::Create => {
+                log::info!("the window's surface was lost and is made anew");
+                // The old one lets go of the window first: some drivers allow a window one surface.
+                self.inner = None;
+                match gpu.instance.create_surface(self.window.clone()) {
+                    Ok(surface) => self.inner = Some(surface),
+                    Err(error) => return Acquired::Lost(error.to_string()),
+                }
+            }
+        }
         self.failures += 1;
         self.stale = true;
-        if self.failures < PATIENCE { Acquired::Later } else { Acquired::Lost(reason.into()) }
+        Acquired::Later
+    }
+}
+
+/// What to do about an answer that brings no texture, after so many failures in a row.
+fn remedy(answer: &CurrentSurfaceTexture, failures: u32) -> Remedy {
+    let patient = failures + 1 < PATIENCE;
+    match answer {
+        CurrentSurfaceTexture::Occluded => Remedy::Hide,
+        CurrentSurfaceTexture::Outdated | CurrentSurfaceTexture::Validation if patient => Remedy::Configure,
+        CurrentSurfaceTexture::Outdated | CurrentSurfaceTexture::Validation => Remedy::GiveUp("it stays outdated"),
+        CurrentSurfaceTexture::Lost if patient => Remedy::Create,
+        CurrentSurfaceTexture::Lost => Remedy::GiveUp("it is lost again and again"),
+        CurrentSurfaceTexture::Timeout | CurrentSurfaceTexture::Success(_) | CurrentSurfaceTexture::Suboptimal(_) => {
+            Remedy::Wait
+        }
     }
 }
 
@@ -128,5 +178,24 @@ mod tests {
         assert_eq!(preferred(&both), Some(TextureFormat::Bgra8Unorm));
         assert_eq!(preferred(&[TextureFormat::Bgra8UnormSrgb]), None);
         assert_eq!(clamped([0, 20_000], 8192), [1, 8192]);
+    }
+
+    /// A surface that is lost or outdated comes back; one that never does is the device's fault; a hidden one costs
+    /// nothing and is no fault at all.
+    #[test]
+    fn every_trouble_has_its_remedy() {
+        use CurrentSurfaceTexture::{Lost, Occluded, Outdated, Timeout, Validation};
+        for failures in 0..PATIENCE - 1 {
+            assert_eq!(remedy(&Lost, failures), Remedy::Create);
+            assert_eq!(remedy(&Outdated, failures), Remedy::Configure);
+            assert_eq!(remedy(&Validation, failures), Remedy::Configure);
+        }
+        for trouble in [Lost, Outdated, Validation] {
+            assert!(matches!(remedy(&trouble, PATIENCE - 1), Remedy::GiveUp(_)), "{trouble:?}");
+        }
+        for failures in [0, PATIENCE, u32::MAX - 1] {
+            assert_eq!(remedy(&Timeout, failures), Remedy::Wait);
+            assert_eq!(remedy(&Occluded, failures), Remedy::Hide);
+        }
     }
 }

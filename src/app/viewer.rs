@@ -17,6 +17,7 @@ use super::loading::{Loader, Opened};
 use super::measure::{Meter, Steps};
 use super::redraw::{Next, Redraw};
 use super::reference::ReferenceWorker;
+use super::scale::Scale;
 use super::settings::{Facts, PathFields, ViewSettings};
 use super::status::{StatusFile, Widget};
 use super::toasts::Toasts;
@@ -55,6 +56,7 @@ pub(super) struct Pointer {
 pub(crate) struct Viewer {
     pub(super) window: Arc<Window>,
     pub(super) egui: egui_winit::State,
+    pub(super) scale: Scale,
     pub(super) map: Arc<HeightField>,
     pub(super) scene: Scene,
     pub(super) view: ViewSettings,
@@ -131,6 +133,7 @@ impl Viewer {
         let mut viewer = Self {
             window,
             egui,
+            scale: Scale::default(),
             facts: Facts::new(&options.map, options.title, &graphics.gpu),
             map: options.map,
             view: ViewSettings { paths: PathFields::of(&options.scene), ..ViewSettings::default() },

@@ -6,10 +6,10 @@ use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
 use glam::DVec3;
 
+use super::generate::{self, GenerateArgs};
 use super::parse;
 use crate::camera::NamedView;
 use crate::heightfield::Holes;
-use crate::heightfield::generate::Kind;
 use crate::heightfield::import::{Encoding, Endian, ImportOptions, NoData, RawType, VerticalUnit};
 use crate::scene::{CraterMode, DebugView, HeightFilter, Technique};
 
@@ -95,7 +95,8 @@ pub(crate) enum Command {
     #[command(after_help = CONVERT_EXAMPLES)]
     Convert(ConvertArgs),
     /// Make a height map
-    Generate(GenerateArgs),
+    #[command(after_help = generate::EXAMPLES)]
+    Generate(Box<GenerateArgs>),
     /// Print a shell's completion script
     #[command(after_help = "Example:\n  relief completions bash > ~/.local/share/bash-completion/completions/relief")]
     Completions {
@@ -275,22 +276,6 @@ impl OpenArgs {
             ..ImportOptions::default()
         }
     }
-}
-
-#[derive(Debug, Args)]
-pub(crate) struct GenerateArgs {
-    /// The kind of landscape
-    #[arg(value_enum)]
-    pub(crate) kind: Kind,
-    /// Samples along each side
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=16384), default_value_t = 1024)]
-    pub(crate) size: u32,
-    /// The same seed makes the same landscape
-    #[arg(long, value_name = "S", default_value_t = 1)]
-    pub(crate) seed: u64,
-    /// The height map, a 16-bit greyscale PNG
-    #[arg(short, long, value_name = "OUT.png")]
-    pub(crate) output: PathBuf,
 }
 
 /// What to show. Everything left out comes from the scene file, and then from the defaults.

@@ -28,7 +28,7 @@ pub(crate) fn run(args: &ConvertArgs) -> Result<(), Failure> {
     let (elevation, sidecar) = {
         let progress = Progress::start("reading the elevations");
         let decoded = load::decode(&args.file, &options, listener(&|share| progress.set(share)));
-        let (elevation, sidecar, warnings) = decoded.map_err(|error| cannot_open(&args.file, error))?;
+        let (elevation, sidecar, warnings) = decoded.map_err(|error| cannot_open(&args.file, None, error))?;
         drop(progress);
         warnings.iter().for_each(|warning| super::warn(warning));
         (elevation, sidecar)

@@ -12,7 +12,7 @@ use crate::heightfield::Loaded;
 use crate::heightfield::import::{PixelIs, VerticalUnit};
 
 pub(crate) fn run(args: &InfoArgs) -> Result<(), Failure> {
-    let loaded = Source::File(args.file.clone()).load(&args.open.options())?;
+    let loaded = Source::File { path: args.file.clone(), scene: None }.load(&args.open.options())?;
     let info = Info::of(&loaded);
     if args.json {
         let json = serde_json::to_string_pretty(&info).map_err(|error| {

@@ -95,6 +95,21 @@ pub(crate) fn window(text: &str) -> Result<[u32; 4], String> {
     }
 }
 
+/// How many of something.
+pub(crate) fn count(text: &str) -> Result<u32, String> {
+    text.parse().map_err(|_| format!("`{text}` is not a whole number from 0 to {}", u32::MAX))
+}
+
+/// `1025` for both sides of a map, or `2049x1025`.
+pub(crate) fn grid(text: &str) -> Result<[u32; 2], String> {
+    let (columns, rows) = text.split_once(['x', 'X', '×']).unwrap_or((text, text));
+    let side = |text: &str| {
+        text.parse::<u32>()
+            .map_err(|_| format!("`{text}` is not a whole number; expected N or COLUMNSxROWS, such as 1025"))
+    };
+    Ok([side(columns)?, side(rows)?])
+}
+
 /// `128..512`, or one number for both.
 pub(crate) fn samples(text: &str) -> Result<[u32; 2], String> {
     let (min, max) = text.split_once("..").unwrap_or((text, text));
@@ -223,6 +238,14 @@ mod tests {
         assert_eq!(window("0, 5,100,2"), Ok([0, 5, 100, 2]));
         for wrong in ["1,2,3", "1,2,3,4,5", "0,0,1,9", "-1,0,5,5", "a,b,c,d", ""] {
             assert!(window(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn sides_of_maps() {
+        assert_eq!((grid("1025"), grid("2049x3")), (Ok([1025; 2]), Ok([2049, 3])));
+        for wrong in ["", "x", "5x", "-5", "5.5", "1e9", "99999999999"] {
+            assert!(grid(wrong).is_err(), "{wrong}");
         }
     }
 

@@ -25,10 +25,11 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let outputs = Outputs::prepare(args)?;
     let mut scene = terrain::compose(&args.scene)?;
     outputs.spare_the_inputs(&scene, args.scene.scene.as_deref())?;
-    let (gpu, map) = Source::of(&scene).load_for_gpu(&args.scene.open.options())?;
+    let (gpu, map) = Source::chosen(&args.scene, &scene).load_for_gpu(&args.scene.open.options())?;
     terrain::check_size(args.size, gpu.capabilities.max_texture)?;
     let map = map.field;
     terrain::place_camera(&args.scene, &mut scene, &map)?;
+    terrain::warn_of(&scene, &map);
 
     let (scene_view, heat_map_max) = (scene.debug.view, scene.debug.heat_map_max);
     let compare = &scene.compare;
@@ -287,7 +288,16 @@ mod tests {
             (0..70 * 50u16).map(|i| if i % 3 == 0 { f32::INFINITY } else { f32::from(i) * 0.1 }).collect();
         let zeros = vec![0.0; distance.len()];
         let steps = vec![0; distance.len()];
-        let probe = Probe { size: [70, 50], steps, distance, beyond_start: zeros, cap_hits: 0 };
+        let probe = Probe {
+            size: [70, 50],
+            steps,
+            distance,
+            beyond_start: zeros,
+            cap_hits: 0,
+            starts: vec![0.0],
+            counted_from: vec![],
+            anchors: vec![],
+        };
         let bytes = exr_of(&probe).unwrap();
         assert_eq!(bytes, exr_of(&probe).unwrap(), "the same bytes again");
         let image = exr::prelude::read()

@@ -1,6 +1,6 @@
 //! `relief report`: error against run time, as tables and plots.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::args::ReportArgs;
@@ -16,11 +16,13 @@ use crate::scene_file;
 
 pub(crate) fn run(args: &ReportArgs) -> Result<(), Failure> {
     let (scene, cameras) = scenes(args)?;
-    let source = Source::of(&scene);
+    // Of several scenes the first one says what is measured.
+    let source = Source::of(&scene).named_by(args.scenes.first().filter(|_| args.file.is_none()).map(PathBuf::as_path));
     let (gpu, loaded) = source.load_for_gpu(&args.open.options())?;
     terrain::check_size(args.size, gpu.capabilities.max_texture)?;
     // After all that may be refused: no empty folder is left then.
     let outputs = Outputs::prepare(&args.output)?;
+    terrain::warn_of(&scene, &loaded.field);
     let map = with_craters(loaded.field, &scene);
     let views = if cameras.is_empty() {
         let extent = map.box_size(scene.terrain.height_scale);

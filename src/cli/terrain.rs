@@ -29,7 +29,12 @@ const SMALL: u32 = 8192;
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Source {
     /// A file.
-    File(PathBuf),
+    File {
+        /// Where it is.
+        path: PathBuf,
+        /// The scene file that names it, where one does.
+        scene: Option<PathBuf>,
+    },
     /// The Grand Canyon.
     BuiltIn,
 }
@@ -37,13 +42,26 @@ pub(crate) enum Source {
 impl Source {
     /// The map that `scene` names.
     pub(crate) fn of(scene: &Scene) -> Self {
-        scene.terrain.file.clone().map_or(Self::BuiltIn, Self::File)
+        scene.terrain.file.clone().map_or(Self::BuiltIn, |path| Self::File { path, scene: None })
+    }
+
+    /// The same, named by the file `named_by` and not by the user: a message about it names both.
+    pub(crate) fn named_by(self, named_by: Option<&Path>) -> Self {
+        match self {
+            Self::File { path, .. } => Self::File { path, scene: named_by.map(Path::to_path_buf) },
+            Self::BuiltIn => self,
+        }
+    }
+
+    /// The map of a composed scene.
+    pub(crate) fn chosen(args: &SceneArgs, scene: &Scene) -> Self {
+        Self::of(scene).named_by(args.scene.as_deref().filter(|_| args.file.is_none()))
     }
 
     /// What to call the map when it has no title.
     pub(crate) fn name(&self) -> String {
         match self {
-            Self::File(path) => path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned(),
+            Self::File { path, .. } => path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned(),
             Self::BuiltIn => String::from("Grand Canyon"),
         }
     }
@@ -78,7 +96,7 @@ impl Source {
 
     fn told(&self, result: Result<Loaded, LoadError>) -> Result<Loaded, Failure> {
         let loaded = result.map_err(|error| match self {
-            Self::File(path) => cannot_open(path, error),
+            Self::File { path, scene } => cannot_open(path, scene.as_deref(), error),
             Self::BuiltIn => error.into(),
         })?;
         for warning in &loaded.warnings {
@@ -90,7 +108,7 @@ impl Source {
     fn open(&self, options: &ImportOptions) -> Result<Loaded, LoadError> {
         let progress = Progress::start("reading the height map");
         match self {
-            Self::File(path) => load::load_with(path, options, listener(&|share| progress.set(share))),
+            Self::File { path, .. } => load::load_with(path, options, listener(&|share| progress.set(share))),
             Self::BuiltIn => load::load_bytes(Path::new("grand-canyon.png"), GRAND_CANYON, Some(GRAND_CANYON_SIDECAR)),
         }
     }
@@ -102,10 +120,17 @@ pub(crate) fn listener(progress: &dyn Fn(f32)) -> Listener<'_> {
     Listener { progress, cancel: &NEVER }
 }
 
-/// Why `path` does not open; a word that looks like a mistyped command is answered with the command.
-pub(crate) fn cannot_open(path: &Path, error: LoadError) -> Failure {
+/// Why `path`, which `scene` may name, does not open; a word that looks like a mistyped command is answered with the
+/// command.
+pub(crate) fn cannot_open(path: &Path, scene: Option<&Path>, error: LoadError) -> Failure {
     let missing = matches!(error, LoadError::NotFound { .. });
     let failure = Failure::from(error);
+    if let Some(scene) = scene {
+        return failure.line(format!(
+            "The scene {} names it: correct terrain.file there, or name a map on the command line.",
+            scene.display()
+        ));
+    }
     if !missing && path.extension().is_some_and(|extension| extension == "toml") {
         return failure.line(format!("Or is it a scene? Then write --scene {}.", path.display()));
     }
@@ -183,6 +208,13 @@ pub(crate) fn place_camera(args: &SceneArgs, scene: &mut Scene, map: &HeightFiel
         scene.camera = Some(camera);
     }
     scene_file::validate(scene).map_err(|reason| Failure::usage(reason.to_string()))
+}
+
+/// Tells of what in `scene` shows nothing.
+pub(crate) fn warn_of(scene: &Scene, map: &HeightField) {
+    for remark in scene_file::remarks(scene, map.box_size(scene.terrain.height_scale)) {
+        super::warn(&remark);
+    }
 }
 
 fn aim(eye: DVec3, target: DVec3, fov: f64) -> Result<Camera, Failure> {
@@ -274,12 +306,14 @@ mod tests {
         let mut scene = Scene::default();
         assert_eq!(Source::of(&scene), Source::BuiltIn);
         scene.terrain.file = Some(PathBuf::from("a.png"));
-        assert_eq!(Source::of(&scene), Source::File(PathBuf::from("a.png")));
+        let Source::File { path, scene: None } = Source::of(&scene) else { panic!("not a file of no scene") };
+        assert_eq!(path, PathBuf::from("a.png"));
     }
 
     #[test]
     fn a_mistyped_command_is_answered_with_the_command() {
-        let answer = |word: &str| Source::File(word.into()).load(&ImportOptions::default()).unwrap_err().to_string();
+        let source = |word: &str| Source::File { path: word.into(), scene: None };
+        let answer = |word: &str| source(word).load(&ImportOptions::default()).unwrap_err().to_string();
         assert!(answer("rendr").contains("relief render"), "{}", answer("rendr"));
         assert!(!answer("missing.png").contains("the command"));
     }

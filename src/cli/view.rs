@@ -9,6 +9,7 @@ use super::output::Output;
 use super::render;
 use super::terrain::{self, Source};
 use crate::app::{self, AppError, ViewerOptions};
+use crate::scene_file;
 
 /// Size of the picture that stands in for a window, pixels.
 const PICTURE_SIZE: [u32; 2] = [1280, 800];
@@ -18,12 +19,14 @@ pub(crate) fn run(args: &ViewArgs) -> Result<(), Failure> {
         return without_display(args);
     }
     let mut scene = terrain::compose(&args.scene)?;
-    let source = Source::of(&scene);
+    let source = Source::chosen(&args.scene, &scene);
     let map = source.load_to_fit(&args.scene.open.options())?.1;
     terrain::place_camera(&args.scene, &mut scene, &map.field)?;
+    // The window repeats on stderr what it warns of.
+    let remarks = scene_file::remarks(&scene, map.field.box_size(scene.terrain.height_scale));
     let options = ViewerOptions {
         title: map.title.unwrap_or_else(|| source.name()),
-        warnings: map.warnings,
+        warnings: map.warnings.into_iter().chain(remarks).collect(),
         map: Arc::new(map.field),
         scene,
         size: args.size,
@@ -43,10 +46,11 @@ pub(crate) fn run(args: &ViewArgs) -> Result<(), Failure> {
 fn without_display(args: &ViewArgs) -> Result<(), Failure> {
     let output = Output::prepare(&args.output)?;
     let mut scene = terrain::compose(&args.scene)?;
-    let (gpu, map) = Source::of(&scene).load_for_gpu(&args.scene.open.options())?;
+    let (gpu, map) = Source::chosen(&args.scene, &scene).load_for_gpu(&args.scene.open.options())?;
     let size = args.size.unwrap_or(PICTURE_SIZE);
     terrain::check_size(size, gpu.capabilities.max_texture)?;
     terrain::place_camera(&args.scene, &mut scene, &map.field)?;
+    terrain::warn_of(&scene, &map.field);
     render::picture(gpu, scene, map.field, size, &output)?;
     announce(output.path());
     Ok(())

@@ -17,6 +17,7 @@ macro_rules! embed {
 
 /// Every shader file, as compiled in.
 const EMBEDDED: &[(&str, &str)] = embed![
+    "anchor.wgsl",
     "beam.wgsl",
     "cones.wgsl",
     "cube.wgsl",
@@ -25,6 +26,7 @@ const EMBEDDED: &[(&str, &str)] = embed![
     "march/cone.wgsl",
     "march/linear-binary.wgsl",
     "march/linear.wgsl",
+    "march/max-mipmap-deep.wgsl",
     "march/max-mipmap.wgsl",
     "march/relaxed-cone.wgsl",
     "march/secant.wgsl",

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use super::holes::{self, HoleMask, Holes};
 
 /// Height of the box over its longer horizontal side where a map does not say what it shows.
-const PLAIN_HEIGHT_SCALE: f64 = 0.25;
+pub(super) const PLAIN_HEIGHT_SCALE: f64 = 0.25;
 
 /// Heights of the box over its longer horizontal side that can be drawn; 0 is flat.
 pub(crate) const HEIGHT_SCALES: RangeInclusive<f64> = 0.0..=1000.0;

@@ -59,11 +59,14 @@ pub struct Sidecar {
     /// How to open the map.
     #[serde(flatten)]
     pub import: ImportOptions,
+    /// What the map was made from, where this program made it; read by [`super::generate::recipe_file::read`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub recipe: Option<toml::Table>,
 }
 
 impl Sidecar {
     /// The keys that a sidecar may have.
-    pub const KEYS: [&'static str; 25] = [
+    pub const KEYS: [&'static str; 26] = [
         "title",
         "extent_metres",
         "lowest_metre",
@@ -89,6 +92,7 @@ impl Sidecar {
         "holes",
         "reduce",
         "window",
+        "recipe",
     ];
 
     /// Where the sidecar of `map` is, if it has one.

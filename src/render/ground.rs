@@ -184,6 +184,11 @@ impl Ground {
         enough.map_or(levels.len(), |index| index + 1) as u32
     }
 
+    /// Textures hold heights as whole numbers of 1/`units`, in 16 bits; `None`: as floats.
+    pub(super) fn units(&self) -> Option<u16> {
+        self.units
+    }
+
     /// The height, as a share of the box's, that the textures' 1 stands for.
     pub(super) fn height_unit(&self) -> f64 {
         self.units.map_or(1.0, |units| f64::from(u16::MAX) / f64::from(units))

@@ -12,7 +12,7 @@ use naga::{
     Statement,
 };
 
-use super::terrain;
+use super::terrain_uniform;
 use crate::heightfield::load::MAX_SIDE;
 use crate::scene_file::{MOST_HALVINGS, MOST_SAMPLES, MOST_STEPS};
 
@@ -408,5 +408,5 @@ fn the_constants_hold_what_scenes_and_maps_ask_for() {
     (scene.march.samples_min, scene.march.samples_max) = (MOST_SAMPLES, MOST_SAMPLES);
     scene.march.binary_steps = MOST_HALVINGS;
     assert_eq!(crate::scene_file::validate(&scene), Ok(()));
-    assert_eq!(terrain::step_cap([MAX_SIDE - 1, MAX_SIDE - 1]).max(MOST_STEPS), MOST_STEPS);
+    assert_eq!(terrain_uniform::step_cap([MAX_SIDE - 1, MAX_SIDE - 1]).max(MOST_STEPS), MOST_STEPS);
 }

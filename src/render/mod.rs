@@ -3,6 +3,7 @@
 //! A frame draws the same unit cube for the terrain, its wireframe, the occluder and, last, the skybox. What is off or
 //! out of view has no pass, no texture and no instruction; the [`Ledger`] tells.
 
+mod anchor;
 #[cfg(test)]
 mod bad_numbers_tests;
 mod beam;
@@ -28,6 +29,8 @@ mod sky_map;
 mod skybox;
 mod split;
 mod terrain;
+mod terrain_key;
+mod terrain_uniform;
 #[cfg(test)]
 mod tests;
 mod wireframe;
@@ -45,7 +48,8 @@ pub use heat_map::{COVERS_SKY, ERROR_DECADES, SEE_THROUGH, SKY_BOTH, error_colou
 pub use ledger::{Ledger, TextureEntry};
 pub use probe::Probe;
 
-use beam::Beams;
+pub(crate) use anchor::Anchor;
+use beam::{Beams, Tiles};
 use cube::Cube;
 use distances::ExactDistances;
 use drape::Drape;
@@ -236,7 +240,7 @@ impl Renderer {
             self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("frame") });
         self.encode_beams(&mut encoder, &passes, self.timer.writes(true, false));
         if let Some(draw) = &passes.exact {
-            let first = passes.beam.is_none();
+            let first = passes.beams.is_none();
             self.encode_exact(&mut encoder, draw, &target.depth_view, self.timer.writes(first, false));
         }
         let background = if scene.debug.view == DebugView::Error { heat_map::sky_both() } else { BACKGROUND };
@@ -251,7 +255,7 @@ impl Renderer {
                 label: Some("scene"),
                 color_attachments: &attachments,
                 depth_stencil_attachment: Some(clear_depth(&target.depth_view)),
-                timestamp_writes: self.timer.writes(passes.beam.is_none() && passes.exact.is_none(), true),
+                timestamp_writes: self.timer.writes(passes.beams.is_none() && passes.exact.is_none(), true),
                 occlusion_query_set: counter.map(probe::PixelCounter::queries),
                 multiview_mask: None,
             });
@@ -342,13 +346,13 @@ impl Renderer {
         passes: &Passes,
         timestamps: Option<wgpu::RenderPassTimestampWrites<'_>>,
     ) {
-        if let (Some(pass), Some(beams)) = (&passes.beam, &self.beams) {
+        if let (Some((pair, area)), Some(beams)) = (&passes.beams, &self.beams) {
             #[cfg(test)]
             if let (true, Some(ground)) = (self.whole_rays, &self.ground) {
                 beams.clear(encoder, ground.top_size());
                 return;
             }
-            beams.encode(encoder, &pass.built, &self.frame.group, &pass.group, pass.area, timestamps);
+            beams.encode(encoder, pair, &self.frame.group, *area, timestamps);
         }
     }
 
@@ -371,11 +375,15 @@ impl Renderer {
         }
         textures.extend(self.drape.as_ref().and_then(Drape::entry));
         textures.extend(self.skybox.as_ref().map(Skybox::entry));
-        textures.extend(self.beams.as_ref().map(Beams::entry));
+        textures.extend(self.beams.iter().flat_map(Beams::entries));
         textures.extend(self.exact.as_ref().or(self.reference.as_ref()).map(ExactDistances::entry));
         textures.push(TextureEntry::of("picture", &target.color));
         textures.push(TextureEntry::of("depth", &target.depth));
-        let before = passes.beam.iter().map(|_| "beam").chain(passes.exact.iter().map(|draw| draw.name));
+        let before = passes
+            .beams
+            .iter()
+            .flat_map(|_| Tiles::ALL.map(Tiles::name))
+            .chain(passes.exact.iter().map(|draw| draw.name));
         let before: Vec<_> = before.collect();
         let terrain = passes.draws.iter().find(|draw| matches!(draw.name, "terrain" | "compare"));
         self.shown.clear();

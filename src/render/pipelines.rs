@@ -6,13 +6,14 @@ use std::rc::Rc;
 
 use crate::gpu::{COLOR_FORMAT, DEPTH_COMPARE, DEPTH_FORMAT, Gpu, PROBE_FORMAT, ShaderError, ShaderSources};
 
+use super::beam::Tiles;
 use super::terrain::TerrainKey;
 use super::{beam, heat_map, occluder, present, skybox, terrain, wireframe};
 
 /// Which pipeline: everything that decides what is compiled into it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum PipelineKey {
-    Beam,
+    Beam(Tiles),
     Terrain(TerrainKey),
     Wireframe,
     Occluder { probe: bool },
@@ -23,7 +24,7 @@ pub(super) enum PipelineKey {
 impl PipelineKey {
     fn describe(self) -> PassDescription {
         match self {
-            Self::Beam => beam::describe(),
+            Self::Beam(tiles) => beam::describe(tiles),
             Self::Terrain(key) => terrain::describe(key),
             Self::Wireframe => wireframe::describe(),
             Self::Occluder { probe } => occluder::describe(probe),

@@ -10,9 +10,10 @@ use crate::heightfield::{ConeKind, ConeMap};
 use crate::scene::{DebugView, Scene};
 use crate::scene_file;
 
-use super::beam::Beams;
+use super::anchor::{self, Anchor, AnchorUniform};
+use super::beam::{BeamPass, Beams, Tiles};
 use super::cones::ConeGround;
-use super::cube::{clip_corners, in_view};
+use super::cube::{as_f32, clip_corners, in_view};
 use super::distances::ExactDistances;
 use super::frame::FrameUniform;
 use super::pipelines::{Built, PipelineKey};
@@ -31,21 +32,16 @@ pub(super) struct Draw {
     pub(super) area: Area,
 }
 
-/// The beam pass: pipeline, bind group, and the part of the picture whose rays start from beams.
-pub(super) struct BeamPass {
-    pub(super) built: Rc<Built>,
-    pub(super) group: wgpu::BindGroup,
-    pub(super) area: Area,
-}
-
 /// What a frame or a probe draws.
 pub(super) struct Passes {
-    /// There where a technique starts from beams.
-    pub(super) beam: Option<BeamPass>,
+    /// There where a technique starts from beams, with the part of the picture where rays do.
+    pub(super) beams: Option<([BeamPass; 2], Area)>,
     /// Finds the exact distances, for the error view.
     pub(super) exact: Option<Draw>,
     /// Draws of the scene's pass, in their order.
     pub(super) draws: Vec<Draw>,
+    /// What the rays of the exact technique count from, in a deep zoom; else empty.
+    pub(super) anchors: Vec<Anchor>,
 }
 
 /// What a frame is drawn for.
@@ -67,6 +63,8 @@ pub(super) struct View {
     pub(super) extent: DVec3,
     /// Corners of the box that is drawn for it.
     box_clip: [DVec4; 8],
+    /// Whether its pixels are finer than f32 counts.
+    deep: bool,
 }
 
 impl Renderer {
@@ -76,12 +74,12 @@ impl Renderer {
         scene_file::validate(scene)?;
         let view = self.view(scene, size);
         let probe = matches!(aim, Aim::Probe);
-        let terrains = terrains(scene, size, aim);
+        let terrains = terrains(scene, size, aim, view.deep);
         if !probe {
             self.prepare_drape(scene, terrains.iter().any(|(_, key)| key.diffuse))?;
             self.prepare_skybox(scene)?;
         }
-        let exact = self.prepare_exact(scene, &view, size, probe);
+        let exact = self.prepare_exact(scene, &view, size, probe).map(|key| key.in_a_deep_zoom(view.deep));
         let whole = Area::whole(size);
         let beamed = terrains.iter().map(|(side, key)| (side.area, *key)).chain(exact.map(|key| (whole, key)));
         let beamed = beamed.filter(|(_, key)| key.needs_pyramid()).map(|(area, _)| area).reduce(Area::union);
@@ -98,6 +96,8 @@ impl Renderer {
         let frame = FrameUniform::new(&view.camera, size, view.extent, scene.skybox.flattening);
         self.frame.write(&self.gpu, &frame);
         self.prepare_beams(&view, size, beamed.is_some());
+        let anchored = terrains.iter().map(|(_, key)| key).chain(&exact).any(|key| key.deep);
+        let anchors = if anchored { self.prepare_anchors(scene, &view, size) } else { Vec::new() };
 
         let mut draws = Vec::new();
         for (side, key) in terrains {
@@ -110,8 +110,8 @@ impl Renderer {
             }
             None => None,
         };
-        let beam = match beamed.filter(|_| !draws.is_empty()) {
-            Some(area) => self.beam_pass(area)?,
+        let beams = match beamed.filter(|_| !draws.is_empty()) {
+            Some(area) => self.beam_passes()?.map(|passes| (passes, area)),
             None => None,
         };
         if scene.debug.wireframe && !probe {
@@ -125,7 +125,17 @@ impl Renderer {
             let group = skybox.group(&self.gpu, &built);
             draws.push(Draw { name: "skybox", built, group, edges: false, area: whole });
         }
-        Ok(Passes { beam, exact, draws })
+        Ok(Passes { beams, exact, draws, anchors })
+    }
+
+    /// Finds what the rays of a deep zoom count from, and hands it to the terrain pass.
+    fn prepare_anchors(&self, scene: &Scene, view: &View, size: [u32; 2]) -> Vec<Anchor> {
+        let Some(ground) = &self.ground else { return Vec::new() };
+        let anchors = Anchor::find(&view.camera, size, view.extent, ground.terrain().field());
+        let lid = if scene.march.lower_start { f64::from(ground.highest()) } else { 1.0 };
+        let uniforms = AnchorUniform::all(&anchors, &view.camera, size, view.extent, ground, lid);
+        self.terrain.write_anchors(&self.gpu, &uniforms);
+        anchors
     }
 
     /// Keeps the texture of exact distances while the error view needs one of its own; what has to be drawn into it.
@@ -190,7 +200,7 @@ impl Renderer {
         }
     }
 
-    fn view(&self, scene: &Scene, size: [u32; 2]) -> View {
+    pub(super) fn view(&self, scene: &Scene, size: [u32; 2]) -> View {
         let (camera, extent) = match &self.ground {
             Some(ground) => {
                 let map = ground.terrain().base();
@@ -203,7 +213,8 @@ impl Renderer {
             }
         };
         let box_clip = terrain::drawn_box(&camera, size, extent);
-        View { camera, clip_from_world: camera.clip_from_world(size), extent, box_clip }
+        let deep = self.ground.is_some() && anchor::is_deep_zoom(&camera, size, extent);
+        View { camera, clip_from_world: camera.clip_from_world(size), extent, box_clip, deep }
     }
 
     fn prepare_drape(&mut self, scene: &Scene, shown: bool) -> Result<(), RenderError> {
@@ -245,11 +256,15 @@ impl Renderer {
         }
     }
 
-    fn beam_pass(&mut self, area: Area) -> Result<Option<BeamPass>, RenderError> {
-        let (Some(_), Some(ground)) = (&self.beams, &self.ground) else { return Ok(None) };
-        let built = self.pipelines.get(&self.gpu, &self.frame.layout, PipelineKey::Beam)?;
-        let group = self.terrain.beam_group(&self.gpu, &built, ground);
-        Ok(group.map(|group| BeamPass { built, group, area }))
+    fn beam_passes(&mut self) -> Result<Option<[BeamPass; 2]>, RenderError> {
+        let (Some(beams), Some(ground)) = (&self.beams, &self.ground) else { return Ok(None) };
+        let mut pass = |tiles| -> Result<Option<BeamPass>, RenderError> {
+            let built = self.pipelines.get(&self.gpu, &self.frame.layout, PipelineKey::Beam(tiles))?;
+            let group = self.terrain.beam_group(&self.gpu, &built, ground, beams, tiles);
+            Ok(group.map(|group| BeamPass { built, group }))
+        };
+        let (coarse, fine) = (pass(Tiles::Coarse)?, pass(Tiles::Fine)?);
+        Ok(coarse.zip(fine).map(|(coarse, fine)| [coarse, fine]))
     }
 
     fn shows_terrain(&self, view: &View) -> bool {
@@ -277,7 +292,10 @@ impl Renderer {
             });
         }
         let built = self.pipelines.get(&self.gpu, &self.frame.layout, PipelineKey::Terrain(key))?;
-        let uniform = TerrainUniform::new(scene, ground, self.drape.as_ref(), view.extent, &view.box_clip);
+        let mut uniform = TerrainUniform::new(scene, ground, self.drape.as_ref(), view.extent, &view.box_clip);
+        if view.deep && key.finds_ground() {
+            uniform.box_clip = as_f32(&terrain::whole_picture());
+        }
         let textures = Textures {
             ground,
             drape: self.drape.as_ref(),
@@ -321,12 +339,12 @@ impl Renderer {
 }
 
 /// The terrain's draws: the parts of the picture, and the pipeline of each.
-fn terrains(scene: &Scene, size: [u32; 2], aim: Aim<'_>) -> Vec<(Side, TerrainKey)> {
+fn terrains(scene: &Scene, size: [u32; 2], aim: Aim<'_>, deep: bool) -> Vec<(Side, TerrainKey)> {
     let probe = matches!(aim, Aim::Probe);
     if let Aim::Given(_) = aim {
         let side = Side { name: "terrain", technique: scene.march.technique, area: Area::whole(size) };
         return vec![(side, TerrainKey::of(scene, false).with_given_distances())];
     }
-    let key = |side: Side| (side, TerrainKey::of_technique(scene, side.technique, probe));
+    let key = |side: Side| (side, TerrainKey::of_technique(scene, side.technique, probe).in_a_deep_zoom(deep));
     sides(scene, size).into_iter().map(key).collect()
 }

@@ -3,8 +3,8 @@
 use crate::gpu::{DEPTH_FORMAT, Gpu, PROBE_FORMAT, ReadbackError, Target, map_and_wait, read_texture, sized_texture};
 use crate::scene::Scene;
 
-use super::prepare::Aim;
-use super::{RenderError, Renderer, clear_depth};
+use super::prepare::{Aim, View};
+use super::{Anchor, RenderError, Renderer, clear_depth, ray_start};
 
 /// Distances and steps of every pixel of a view.
 #[derive(Clone, Debug)]
@@ -13,10 +13,15 @@ pub struct Probe {
     pub size: [u32; 2],
     /// Distance from the eye to the first hit (terrain or occluder) in world units, +inf for sky; row 0 at the top.
     pub distance: Vec<f32>,
-    /// Where a pixel shows terrain, the view depth of its hit less that at which rays begin to count, which the CPU knows
-    /// in f64 (`ray_start`): from a million box lengths away an f32 distance says little about where on the map a hit is,
-    /// this does.
+    /// Where a pixel shows terrain, the view depth of its hit less that from which its ray counts (`starts`): from a
+    /// million box lengths away an f32 distance says little about where on the map a hit is, this does.
     pub(crate) beyond_start: Vec<f32>,
+    /// View depths from which the terrain's rays count, known in f64.
+    pub(crate) starts: Vec<f64>,
+    /// Which of them a pixel's ray counts from; empty where there is only one.
+    pub(crate) counted_from: Vec<u8>,
+    /// What is at those depths, where the view is a deep zoom.
+    pub(crate) anchors: Vec<Anchor>,
     /// Steps of each ray; 0 where no ray was cast or the occluder hides it.
     pub steps: Vec<u32>,
     /// Rays that the step cap ended.
@@ -24,6 +29,20 @@ pub struct Probe {
 }
 
 impl Probe {
+    /// View depth of the terrain's hit in the pixel with this number, counted row by row; `None` where it shows sky, an
+    /// occluder or nothing. It is as exact as the ray was cast: [`Self::distance`], an f32, cannot tell the pixels of a deep
+    /// zoom apart.
+    pub fn view_depth(&self, pixel: usize) -> Option<f64> {
+        let beyond = self.beyond_start.get(pixel).filter(|_| self.steps.get(pixel).is_some_and(|&steps| steps > 0))?;
+        self.distance.get(pixel)?.is_finite().then(|| self.start(pixel) + f64::from(*beyond))
+    }
+
+    /// View depth from which the ray of a pixel counts.
+    pub(crate) fn start(&self, pixel: usize) -> f64 {
+        let number = self.counted_from.get(pixel).copied().unwrap_or(0);
+        self.starts.get(usize::from(number)).copied().unwrap_or(0.0)
+    }
+
     /// Mean and maximum of the steps over the rays that were cast.
     pub fn step_stats(&self) -> (f64, u32) {
         let cast = self.steps.iter().filter(|&&steps| steps > 0);
@@ -42,6 +61,7 @@ impl Renderer {
         self.check_device()?;
         let size = size.map(|side| side.clamp(1, self.gpu.capabilities.max_texture));
         let passes = self.prepare(scene, size, Aim::Probe)?;
+        let View { camera, extent, .. } = self.view(scene, size);
         let color = sized_texture(&self.gpu, "probe", size, PROBE_FORMAT, &[]);
         let depth = sized_texture(&self.gpu, "probe depth", size, DEPTH_FORMAT, &[]);
         let view = color.create_view(&wgpu::TextureViewDescriptor::default());
@@ -74,12 +94,24 @@ impl Renderer {
         }
         self.gpu.queue.submit([encoder.finish()]);
         let texels: Vec<[f32; 4]> = bytemuck::pod_collect_to_vec(&read_texture(&self.gpu, &color)?);
+        let anchors = passes.anchors;
         Ok(Probe {
             size,
             distance: texels.iter().map(|texel| if texel[0] < 0.0 { f32::INFINITY } else { texel[0] }).collect(),
             beyond_start: texels.iter().map(|texel| texel[3]).collect(),
+            starts: if anchors.is_empty() {
+                vec![ray_start(&camera, extent)]
+            } else {
+                anchors.iter().map(|anchor| anchor.depth).collect()
+            },
+            counted_from: if anchors.len() > 1 {
+                texels.iter().map(|texel| texel[2] as u8 >> 1).collect()
+            } else {
+                Vec::new()
+            },
+            anchors,
             steps: texels.iter().map(|texel| texel[1] as u32).collect(),
-            cap_hits: texels.iter().filter(|texel| texel[2] > 0.0).count() as u32,
+            cap_hits: texels.iter().filter(|texel| texel[2] as u8 & 1 == 1).count() as u32,
         })
     }
 }

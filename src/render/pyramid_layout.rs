@@ -4,44 +4,32 @@
 /// texture without them needs less padding.
 pub(super) const MOST_TOP_NODES: u32 = 16;
 
-/// Where the levels of a pyramid lie in one texture: level 1 at the origin, and beside its longer side the others, one
-/// after the other along it.
+/// Where the levels of a pyramid lie in one texture: one after the other along its longer side, level 1 first.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PyramidLayout {
-    /// Where level 2 begins; the end of level 1 where there is no level 2.
-    pub(super) place: [u32; 2],
-    /// The longer side of level 1, padded so that it can be halved for each level; 0 along the shorter side.
+    /// Twice the longer side of level 1, padded so that it can be halved for each level; 0 along the shorter side. What
+    /// the levels reach together comes near to it.
     pub(super) stack: [u32; 2],
     finest: [u32; 2],
-    levels: u32,
 }
 
 impl PyramidLayout {
     /// The layout of so many levels, the finest of which has the size `finest`.
     pub(super) fn new(finest: [u32; 2], levels: u32) -> Self {
         let [width, height] = finest;
-        let padded = |side: u32| side.next_multiple_of(1 << (levels - 1));
-        let (place, stack) =
-            if height >= width { ([width, 0], [0, padded(height)]) } else { ([0, height], [padded(width), 0]) };
-        Self { place, stack, finest, levels }
+        let padded = |side: u32| 2 * side.next_multiple_of(1 << (levels - 1));
+        let stack = if height >= width { [0, padded(height)] } else { [padded(width), 0] };
+        Self { stack, finest }
     }
 
     /// Where the level with this number begins.
     pub(super) fn place_of(&self, level: u32) -> [u32; 2] {
-        if level == 1 {
-            return [0, 0];
-        }
-        std::array::from_fn(|axis| self.place[axis] + self.stack[axis] - (self.stack[axis] >> (level - 2)))
+        self.stack.map(|reach| reach - (reach >> (level - 1)))
     }
 
     /// Size of the texture.
     pub(super) fn size(&self) -> [u32; 2] {
-        let coarser = if self.levels > 1 { self.finest.map(|side| side.div_ceil(2)) } else { [0, 0] };
-        std::array::from_fn(
-            |axis| {
-                if self.stack[axis] == 0 { self.finest[axis] + coarser[axis] } else { self.stack[axis] }
-            },
-        )
+        std::array::from_fn(|axis| self.stack[axis].max(self.finest[axis]))
     }
 }
 
@@ -70,7 +58,7 @@ mod tests {
                     }
                 }
                 let texels = |[width, height]: [u32; 2]| u64::from(width) * u64::from(height);
-                assert!(texels(whole) <= 2 * texels(finest) + 64, "{finest:?}, {levels} levels: {whole:?}");
+                assert!(texels(whole) <= 9 * texels(finest) / 4 + 64, "{finest:?}, {levels} levels: {whole:?}");
             }
         }
     }

@@ -1,22 +1,20 @@
-//! The terrain pass: which pipeline a scene needs, and its uniform. Mirrors `Terrain` in `shaders/heightfield.wgsl`; the
-//! pass itself is `terrain.wgsl`.
+//! The terrain pass: its pipelines, where it is drawn, and what it reads. Its shader is `terrain.wgsl`.
 
-use bytemuck::{Pod, Zeroable};
-use glam::{DMat4, DVec3, DVec4, Vec3};
+use glam::{DMat4, DVec3, DVec4};
 
 use crate::camera::Camera;
 use crate::gpu::Gpu;
-use crate::heightfield::ConeKind;
-use crate::scene::{CraterMode, DebugView, HeightFilter, Scene, Technique};
 
-use super::beam::Beams;
+use super::anchor::{AnchorUniform, MOST_ANCHORS};
+use super::beam::{Beams, Tiles};
 use super::cube::corner;
 use super::drape::Drape;
-use super::frame::{
-    corner_sampler_entry, sampler_entry, texture_entry, uniform_buffer, uniform_entry, without_subnormals,
-};
+use super::frame::{corner_sampler_entry, sampler_entry, texture_entry, uniform_buffer, uniform_entry};
 use super::ground::Ground;
 use super::pipelines::{Built, PassDescription};
+
+pub(super) use super::terrain_key::{Output, TerrainKey};
+pub(super) use super::terrain_uniform::TerrainUniform;
 
 /// The drawn box is larger than the terrain's by this share of its longest side, so that the rasteriser's rounding
 /// cuts off no ray that still meets the terrain; rays beside the true box are dropped in the shader.
@@ -30,214 +28,16 @@ const INFLATION_PIXELS: f64 = 0.125;
 const GIVEN_DISTANCES: u32 = 12;
 /// Binding of the texture of distances to compare with.
 const EXACT_DISTANCES: u32 = 13;
-
-/// What the pass writes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) enum Output {
-    /// A picture.
-    View(DebugView),
-    /// Distance, steps, capped.
-    Probe,
-}
-
-/// All that is compiled into the terrain's pipeline. What a technique or view does not use is normalised away, so that
-/// flipping it builds nothing.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) struct TerrainKey {
-    pub(super) technique: Technique,
-    pub(super) filter: HeightFilter,
-    pub(super) steps_by_angle: bool,
-    pub(super) lower_start: bool,
-    pub(super) discard_misses: bool,
-    pub(super) lighting: bool,
-    pub(super) diffuse: bool,
-    pub(super) layered: bool,
-    /// Hits are read from a texture of distances, and no ray is cast.
-    pub(super) given: bool,
-    pub(super) output: Output,
-}
-
-impl TerrainKey {
-    /// The pipeline that `scene` needs for a picture, or for a probe of it.
-    pub(super) fn of(scene: &Scene, probe: bool) -> Self {
-        Self::of_technique(scene, scene.march.technique, probe)
-    }
-
-    /// The same with another technique than the scene's.
-    pub(super) fn of_technique(scene: &Scene, technique: Technique, probe: bool) -> Self {
-        let march = &scene.march;
-        let output = if probe { Output::Probe } else { Output::View(scene.debug.view) };
-        let shaded = output == Output::View(DebugView::None);
-        let key = Self {
-            technique,
-            filter: if technique.samples_uniformly() { march.filter } else { HeightFilter::Exact },
-            steps_by_angle: technique.counts_samples() && march.steps_by_angle,
-            lower_start: march.lower_start,
-            // A miss is an error to be shown, whatever a picture would show in its place.
-            discard_misses: march.discard_misses || output == Output::View(DebugView::Error),
-            lighting: shaded && scene.lighting.enabled,
-            diffuse: shaded && scene.diffuse.enabled,
-            layered: scene.craters.mode == CraterMode::Layered && !scene.craters.list.is_empty(),
-            given: false,
-            output,
-        };
-        if key.finds_ground() { key } else { Self::without_rays() }
-    }
-
-    /// What finds the exact distances of `scene`, for the error view.
-    pub(super) fn of_exact_distances(scene: &Scene) -> Self {
-        Self { discard_misses: true, ..Self::of_technique(scene, Technique::MaxMipmap, true) }
-    }
-
-    /// The same picture from given distances: how hits would be found does not matter then.
-    pub(super) fn with_given_distances(self) -> Self {
-        if !self.finds_ground() {
-            return self;
-        }
-        let key = Self {
-            technique: Technique::default(),
-            filter: HeightFilter::Exact,
-            steps_by_angle: false,
-            lower_start: true,
-            given: true,
-            ..self
-        };
-        Self { layered: key.layered && key.reads_heights(), ..key }
-    }
-
-    /// Whether the pass finds out where the ground is.
-    fn finds_ground(&self) -> bool {
-        self.output != Output::View(DebugView::Position)
-    }
-
-    /// Whether rays are cast.
-    pub(super) fn marches(&self) -> bool {
-        self.finds_ground() && !self.given
-    }
-
-    /// Whether heights are read: by the rays, or for normals alone.
-    fn reads_heights(&self) -> bool {
-        self.marches() || self.needs_normals()
-    }
-
-    fn needs_normals(&self) -> bool {
-        self.lighting || self.output == Output::View(DebugView::Normals)
-    }
-
-    /// Whether hits are compared with the exact distances.
-    pub(super) fn needs_exact_distances(&self) -> bool {
-        self.output == Output::View(DebugView::Error)
-    }
-
-    /// Whether the technique walks the maximum pyramid.
-    pub(super) fn needs_pyramid(&self) -> bool {
-        self.marches() && self.technique == Technique::MaxMipmap
-    }
-
-    /// The cone map that the technique steps along.
-    pub(super) fn needs_cones(&self) -> Option<ConeKind> {
-        self.technique.cones().filter(|_| self.marches())
-    }
-
-    /// Whether heights are read through the sampler's linear filter.
-    pub(super) fn filters_heights(&self) -> bool {
-        self.filter == HeightFilter::HardwareLinear
-    }
-
-    fn without_rays() -> Self {
-        Self {
-            technique: Technique::default(),
-            filter: HeightFilter::Exact,
-            steps_by_angle: false,
-            lower_start: false,
-            discard_misses: false,
-            lighting: false,
-            diffuse: false,
-            layered: false,
-            given: false,
-            output: Output::View(DebugView::Position),
-        }
-    }
-
-    /// Every key that a scene can lead to.
-    #[cfg(test)]
-    pub(super) fn all() -> Vec<Self> {
-        let mut keys = std::collections::HashSet::new();
-        for (technique, filter, view) in Technique::ALL.into_iter().flat_map(|technique| {
-            [HeightFilter::Exact, HeightFilter::HardwareLinear, HeightFilter::Nearest]
-                .into_iter()
-                .flat_map(move |filter| DebugView::ALL.map(|view| (technique, filter, view)))
-        }) {
-            for bits in 0..128u32 {
-                let bit = |index: u32| bits & (1 << index) != 0;
-                let mut scene = Scene::default();
-                scene.march.technique = technique;
-                scene.march.filter = filter;
-                scene.march.steps_by_angle = bit(0);
-                scene.march.lower_start = bit(1);
-                scene.march.discard_misses = bit(2);
-                scene.lighting.enabled = bit(3);
-                scene.diffuse.enabled = bit(4);
-                scene.debug.view = view;
-                if bit(5) {
-                    scene.craters.mode = CraterMode::Layered;
-                    scene.craters.list.push(scene.craters.brush_at(0.5, 0.5));
-                }
-                let key = Self::of(&scene, bit(6));
-                keys.insert(key);
-                keys.insert(Self::of_exact_distances(&scene));
-                if !bit(6) {
-                    keys.insert(key.with_given_distances());
-                }
-            }
-        }
-        keys.into_iter().collect()
-    }
-
-    fn defs(&self) -> Vec<&'static str> {
-        let shaded = self.output == Output::View(DebugView::None);
-        [
-            (self.filter == HeightFilter::HardwareLinear, "FILTER_HARDWARE_LINEAR"),
-            (self.filters_heights(), "HEIGHT_SAMPLER"),
-            (self.filter == HeightFilter::Nearest, "FILTER_NEAREST"),
-            (self.needs_pyramid(), "BEAM"),
-            (self.steps_by_angle, "STEPS_BY_ANGLE"),
-            (self.lower_start, "LOWER_START"),
-            (self.discard_misses, "DISCARD_MISSES"),
-            (self.layered, "CRATERS_LAYERED"),
-            (shaded, "SHADED"),
-            (self.lighting, "LIGHTING"),
-            (self.diffuse, "DIFFUSE_TEXTURE"),
-            (self.needs_normals(), "SURFACE_NORMAL"),
-            (self.given, "GIVEN_DISTANCES"),
-            (self.output == Output::Probe, "PROBE"),
-            (self.output == Output::View(DebugView::Position), "VIEW_POSITION"),
-            (self.output == Output::View(DebugView::Steps), "VIEW_STEPS"),
-            (self.needs_exact_distances(), "VIEW_ERROR"),
-            (self.output == Output::View(DebugView::Normals), "VIEW_NORMALS"),
-            (self.output == Output::View(DebugView::Distance), "VIEW_DISTANCE"),
-        ]
-        .into_iter()
-        .filter_map(|(on, def)| on.then_some(def))
-        .collect()
-    }
-
-    fn march_file(&self) -> &'static str {
-        match self.technique {
-            Technique::Linear => "march/linear.wgsl",
-            Technique::LinearBinary => "march/linear-binary.wgsl",
-            Technique::Secant => "march/secant.wgsl",
-            Technique::Cone => "march/cone.wgsl",
-            Technique::RelaxedCone => "march/relaxed-cone.wgsl",
-            Technique::MaxMipmap => "march/max-mipmap.wgsl",
-        }
-    }
-}
+/// Binding of what deep zooms count from.
+const ANCHOR: u32 = 14;
 
 pub(super) fn describe(key: TerrainKey) -> PassDescription {
     let filtered = key.filters_heights();
     let mut bindings = vec![uniform_entry::<TerrainUniform>(0)];
     let mut modules = vec!["frame.wgsl", "heightfield.wgsl", "varyings.wgsl"];
+    if key.deep {
+        modules.push("anchor.wgsl");
+    }
     let mut name = "terrain".to_owned();
     if key.reads_heights() {
         bindings.extend([texture_entry(1, filtered, false), corner_sampler_entry(7)]);
@@ -259,6 +59,9 @@ pub(super) fn describe(key: TerrainKey) -> PassDescription {
     }
     if key.needs_exact_distances() {
         bindings.push(texture_entry(EXACT_DISTANCES, false, false));
+    }
+    if key.deep {
+        bindings.push(uniform_entry::<[AnchorUniform; MOST_ANCHORS]>(ANCHOR));
     }
     if filtered {
         bindings.push(sampler_entry(2));
@@ -288,86 +91,6 @@ pub(super) fn describe(key: TerrainKey) -> PassDescription {
     }
 }
 
-/// Mirror of `Terrain` in `heightfield.wgsl`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub(super) struct TerrainUniform {
-    pub(super) box_clip: [[f32; 4]; 8],
-    pub(super) size: Vec3,
-    pub(super) highest: f32,
-    pub(super) cells: [f32; 2],
-    pub(super) cells_per_unit: [f32; 2],
-    pub(super) texel_size: [f32; 2],
-    pub(super) pyramid_place: [f32; 2],
-    pub(super) pyramid_stack: [f32; 2],
-    pub(super) pyramid_texel: [f32; 2],
-    pub(super) layer_cells: [f32; 2],
-    pub(super) samples: [f32; 2],
-    pub(super) top_size: f32,
-    pub(super) layer_rise: f32,
-    pub(super) farthest: f32,
-    pub(super) texel_density: f32,
-    pub(super) binary_steps: u32,
-    pub(super) step_cap: u32,
-    pub(super) heat_map_max: f32,
-    pub(super) repeats: f32,
-    pub(super) diffuse: f32,
-    pub(super) specular: f32,
-    pub(super) shininess: f32,
-    pub(super) height_unit: f32,
-    pub(super) sun: Vec3,
-    pub(super) ambient: f32,
-}
-
-impl TerrainUniform {
-    pub(super) fn new(
-        scene: &Scene,
-        ground: &Ground,
-        drape: Option<&Drape>,
-        extent: DVec3,
-        box_clip: &[DVec4; 8],
-    ) -> Self {
-        let field = ground.terrain().base();
-        let cells = field.cells();
-        let (layer_cells, rise) = ground.layer().map_or(([1, 1], 0.0), |(_, cells, rise)| (cells, rise));
-        let (light, levels) = (&scene.lighting, ground.pyramid_layout());
-        let floats = without_subnormals(Self {
-            box_clip: super::cube::as_f32(box_clip),
-            size: extent.as_vec3(),
-            highest: ground.highest() * extent.y as f32,
-            cells: cells.map(|side| side as f32),
-            cells_per_unit: [(f64::from(cells[0]) / extent.x) as f32, (f64::from(cells[1]) / extent.z) as f32],
-            texel_size: cells.map(|side| (1.0 / f64::from(side + 1)) as f32),
-            pyramid_place: levels.place.map(|side| side as f32),
-            pyramid_stack: levels.stack.map(|side| side as f32),
-            pyramid_texel: levels.size().map(|side| (1.0 / f64::from(side)) as f32),
-            layer_cells: layer_cells.map(|side| side as f32),
-            samples: [scene.march.samples_min as f32, scene.march.samples_max as f32],
-            top_size: ground.top_size(),
-            layer_rise: rise * extent.y as f32,
-            farthest: box_clip.iter().map(|corner| corner.w).fold(0.0, f64::max) as f32,
-            texel_density: drape.map_or(1.0, |drape| drape.texel_density([extent.x, extent.z]) as f32),
-            binary_steps: 0,
-            step_cap: 0,
-            heat_map_max: scene.debug.heat_map_max.max(1) as f32,
-            repeats: scene.diffuse.repeats,
-            diffuse: light.diffuse,
-            specular: light.specular,
-            shininess: light.shininess,
-            height_unit: (extent.y * ground.height_unit()) as f32,
-            sun: light.sun_direction().as_vec3(),
-            ambient: light.ambient,
-        });
-        Self { binary_steps: scene.march.binary_steps, step_cap: step_cap(cells), ..floats }
-    }
-}
-
-/// Most steps of a walk over so many cells: every node that a ray can cross on every level, going down and up again,
-/// twice over.
-pub(super) fn step_cap(cells: [u32; 2]) -> u32 {
-    8 * (cells[0] + cells[1]) + 256
-}
-
 /// From the unit cube to the terrain's box, a little inflated.
 pub(super) fn world_from_box(extent: DVec3) -> DMat4 {
     let margin = DVec3::splat(INFLATION * extent.max_element());
@@ -392,6 +115,19 @@ pub(super) fn drawn_box(camera: &Camera, size: [u32; 2], extent: DVec3) -> [DVec
     })
 }
 
+/// Corners of a cube, in clip space, whose only face that is turned away covers the whole picture.
+///
+/// In a deep zoom the corners of the terrain's box lie millions of pictures beside the view, and a rasteriser that clips in
+/// single precision would lose the box's outline by many pixels. There every pixel casts its ray, and the exact clipping
+/// of the ray to the box decides.
+pub(super) fn whole_picture() -> [DVec4; 8] {
+    // A camera that looks north has x to its right, and the corners of the larger z are the nearer ones.
+    std::array::from_fn(|index| {
+        let corner = corner(index) * 2.0 - 1.0;
+        DVec4::new(2.0 * corner.x, 2.0 * corner.y, 0.5 + 0.25 * corner.z, 1.0)
+    })
+}
+
 /// Owners of the textures that the pass may read.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Textures<'a> {
@@ -408,6 +144,7 @@ pub(super) struct Textures<'a> {
 #[derive(Debug)]
 pub(super) struct TerrainBindings {
     buffer: wgpu::Buffer,
+    anchors: wgpu::Buffer,
     corner_sampler: wgpu::Sampler,
     height_sampler: wgpu::Sampler,
     /// For a texture that covers the terrain once: its last texels must not mix with the first.
@@ -430,6 +167,7 @@ impl TerrainBindings {
         };
         Self {
             buffer: uniform_buffer::<TerrainUniform>(gpu, "terrain"),
+            anchors: uniform_buffer::<[AnchorUniform; MOST_ANCHORS]>(gpu, "anchors"),
             corner_sampler: gpu
                 .device
                 .create_sampler(&wgpu::SamplerDescriptor { label: Some("corners of cells"), ..Default::default() }),
@@ -437,6 +175,11 @@ impl TerrainBindings {
             clamped: sampler("diffuse", wgpu::AddressMode::ClampToEdge),
             repeated: sampler("diffuse, repeated", wgpu::AddressMode::Repeat),
         }
+    }
+
+    /// Writes what deep zooms count from.
+    pub(super) fn write_anchors(&self, gpu: &Gpu, anchors: &[AnchorUniform; MOST_ANCHORS]) {
+        gpu.queue.write_buffer(&self.anchors, 0, bytemuck::bytes_of(anchors));
     }
 
     /// Writes the uniform and makes the bind group of `built`; `None` where a texture it needs is missing.
@@ -458,6 +201,9 @@ impl TerrainBindings {
         if key.needs_exact_distances() {
             entries.push((EXACT_DISTANCES, view(exact?)));
         }
+        if key.deep {
+            entries.push((ANCHOR, self.anchors.as_entire_binding()));
+        }
         if key.reads_heights() {
             entries.extend([(1, view(ground.heights())), (7, wgpu::BindingResource::Sampler(&self.corner_sampler))]);
         }
@@ -465,7 +211,7 @@ impl TerrainBindings {
             entries.push((2, wgpu::BindingResource::Sampler(&self.height_sampler)));
         }
         if key.needs_pyramid() {
-            entries.extend([(3, view(ground.pyramid()?)), (8, view(beams?.starts()))]);
+            entries.extend([(3, view(ground.pyramid()?)), (8, view(beams?.starts(Tiles::Fine)))]);
         }
         if let Some(kind) = key.needs_cones() {
             entries.push((9, view(ground.cones(kind)?)));
@@ -480,18 +226,24 @@ impl TerrainBindings {
         Some(bind(gpu, built, entries))
     }
 
-    /// The bind group of the beam pass `built`, which shares the uniform; `None` without a pyramid.
-    pub(super) fn beam_group(&self, gpu: &Gpu, built: &Built, ground: &Ground) -> Option<wgpu::BindGroup> {
-        let pyramid = wgpu::BindingResource::TextureView(ground.pyramid()?);
-        Some(bind(
-            gpu,
-            built,
-            vec![
-                (0, self.buffer.as_entire_binding()),
-                (3, pyramid),
-                (7, wgpu::BindingResource::Sampler(&self.corner_sampler)),
-            ],
-        ))
+    /// The bind group of a beam pass, `built` for these tiles, which shares the uniform; `None` without a pyramid.
+    pub(super) fn beam_group(
+        &self,
+        gpu: &Gpu,
+        built: &Built,
+        ground: &Ground,
+        beams: &Beams,
+        tiles: Tiles,
+    ) -> Option<wgpu::BindGroup> {
+        let mut entries = vec![
+            (0, self.buffer.as_entire_binding()),
+            (3, wgpu::BindingResource::TextureView(ground.pyramid()?)),
+            (7, wgpu::BindingResource::Sampler(&self.corner_sampler)),
+        ];
+        if tiles == Tiles::Fine {
+            entries.push((8, wgpu::BindingResource::TextureView(beams.starts(Tiles::Coarse))));
+        }
+        Some(bind(gpu, built, entries))
     }
 }
 

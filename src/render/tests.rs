@@ -5,6 +5,7 @@ use std::mem::offset_of;
 
 use glam::{DVec2, DVec3, DVec4};
 
+use super::anchor::AnchorUniform;
 use super::cube::{clip_corners, in_view};
 use super::frame::FrameUniform;
 use super::occluder::CubeUniform;
@@ -72,8 +73,8 @@ fn rust_and_wgsl_agree_on_every_uniform() {
             cells,
             cells_per_unit,
             texel_size,
-            pyramid_place,
             pyramid_stack,
+            repeats_per_cell,
             pyramid_texel,
             layer_cells,
             samples,
@@ -93,6 +94,34 @@ fn rust_and_wgsl_agree_on_every_uniform() {
             ambient,
         ]
     );
+    let pass = terrain::describe(key.in_a_deep_zoom(true));
+    let module = sources().compose(pass.file, &pass.modules, &pass.defs).unwrap();
+    assert_layout!(
+        &module,
+        "Anchor",
+        AnchorUniform,
+        [
+            origin,
+            depth,
+            origin_right,
+            beam_shift,
+            origin_down,
+            begin,
+            direction,
+            height,
+            direction_right,
+            units,
+            direction_down,
+            relief,
+            low,
+            shares_per_unit,
+            high,
+            end,
+            cell,
+            fraction,
+            grounds,
+        ]
+    );
     let pass = occluder::describe(false);
     let module = sources().compose(pass.file, &pass.modules, &pass.defs).unwrap();
     assert_layout!(&module, "Cube", CubeUniform, [clip, sun, ambient]);
@@ -105,7 +134,8 @@ fn every_reachable_pipeline_builds_and_binds_just_what_its_shader_uses() {
     assert!(keys.len() > 100, "the list of variants has shrunk to {}", keys.len());
     let mut all: Vec<_> = keys.into_iter().map(PipelineKey::Terrain).collect();
     all.extend([
-        PipelineKey::Beam,
+        PipelineKey::Beam(Tiles::Coarse),
+        PipelineKey::Beam(Tiles::Fine),
         PipelineKey::Wireframe,
         PipelineKey::Occluder { probe: false },
         PipelineKey::Occluder { probe: true },
@@ -246,6 +276,8 @@ fn hard_views(extent: DVec3) -> Vec<Camera> {
         look([0.5, 0.05, 0.5], [0.9, 0.4, 0.6], 70.0),
         look([300.0, 200.0, 500.0], [0.5, 0.5, 0.5], 0.15),
         look([0.5, 60.0, 30.0], [0.5, 0.5, 0.5], 12.0),
+        look([1.3, 1.2, 1.5], [0.45, 0.2, 0.4], 0.01),
+        look([-0.5, 0.9, 0.5], [0.7, 0.45, 0.5], 0.001),
     ]
 }
 

@@ -9,6 +9,7 @@ mod cones;
 mod edit;
 mod features;
 pub mod figures;
+pub mod growth;
 pub mod plot;
 mod rounds;
 mod settings;

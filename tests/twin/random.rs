@@ -67,7 +67,9 @@ fn case() -> impl Strategy<Value = Case> {
     let size = (2u32..=65, 2u32..=65);
     let eye = [share(), share(), share()];
     let target = [0.1f64..0.9, 0.1f64..0.9, 0.1f64..0.9];
-    (size, 0u32..6, any::<u32>(), scale, eye, target, prop_oneof![4 => 20.0f64..100.0, 1 => 0.05f64..5.0])
+    let deep = (-6.0f64..-1.0).prop_map(|power| 10f64.powf(power));
+    let fov = prop_oneof![4 => 20.0f64..100.0, 1 => 0.05f64..5.0, 1 => deep];
+    (size, 0u32..6, any::<u32>(), scale, eye, target, fov)
         .prop_map(|(size, kind, seed, scale, eye, target, fov)| Case { size, kind, seed, scale, eye, target, fov })
 }
 

@@ -30,6 +30,22 @@ fn the_split_line_is_dragged_with_the_mouse() {
         differing(&part(&first), &part(&second), 0)
     };
     assert_eq!((columns(0, 478), columns(656, 800)), (0, 0), "beside the line's way nothing changes");
+    // It cannot be dragged below the panel, where it could not be taken hold of again.
+    window.point(640.0, 320.0);
+    window.xdo("mousedown 1");
+    for x in [500.0, 300.0, 40.0] {
+        window.point(x, 320.0);
+    }
+    window.wait("the line at the panel", |status| share(status) < 0.55);
+    window.xdo("mouseup 1");
+    let edge = share(&window.settled("rest", |_| true)) * 800.0;
+    assert!(edge > 100.0, "the line is at {edge}");
+    window.point(edge + 2.0, 320.0);
+    window.xdo("mousedown 1");
+    window.point(640.0, 320.0);
+    window.wait("the line where it was", |status| (share(status) - 0.8).abs() < 0.02);
+    window.xdo("mouseup 1");
+    let after = window.settled("rest", |_| true);
     // Beside the line the mouse drags nothing.
     window.point(500.0, 300.0);
     window.xdo("mousedown 1");

@@ -16,19 +16,22 @@ fn craters(status: &Value) -> &[Value] {
 
 /// Fails unless the newest crater lies where the f64 reference meets the ground through the pixel.
 #[track_caller]
-fn assert_under(status: &Value, pixel: DVec2) {
+pub(crate) fn assert_under(status: &Value, pixel: DVec2) {
     let (map, camera) = (canyon(), camera(status));
     let size = map.box_size(None);
-    let hit = Surface::new(&map, size).intersect(&camera.ray(pixel.x, pixel.y, SIZE)).expect("ground at the pixel");
+    let window = [0, 1].map(|side| number(&status["size"][side]) as u32);
+    let hit = Surface::new(&map, size).intersect(&camera.ray(pixel.x, pixel.y, window)).expect("ground at the pixel");
     let crater = craters(status).last().expect("a crater");
     let place = DVec3::new(number(&crater["x"]), hit.position.y, number(&crater["z"]));
-    let seen = project(&camera, place);
+    let seen = project(&camera, place, window);
     assert!((seen - pixel).length() < 1.0, "the crater is at {seen} in the picture, the cursor at {pixel}");
 }
 
-fn project(camera: &Camera, place: DVec3) -> DVec2 {
-    let clip = camera.clip_from_world(SIZE) * place.extend(1.0);
-    DVec2::new((clip.x / clip.w + 1.0) * 0.5 * f64::from(SIZE[0]), (1.0 - clip.y / clip.w) * 0.5 * f64::from(SIZE[1]))
+/// Where a place is in the picture of a window.
+fn project(camera: &Camera, place: DVec3, window: [u32; 2]) -> DVec2 {
+    let clip = camera.clip_from_world(window) * place.extend(1.0);
+    let [width, height] = window.map(f64::from);
+    DVec2::new((clip.x / clip.w + 1.0) * 0.5 * width, (1.0 - clip.y / clip.w) * 0.5 * height)
 }
 
 /// Fails unless the pictures differ around the pixel, and only in a part of the picture.
@@ -60,9 +63,7 @@ fn c_digs_where_the_cursor_points_and_undo_restores_every_byte() {
     let (again, _) = window.shot();
     assert_eq!(std::fs::read(first).unwrap(), std::fs::read(again).unwrap(), "undone to the byte");
 
-    // Over the panel and over the sky nothing is dug.
-    window.point(100.0, 300.0);
-    window.key("c");
+    nothing_is_dug_without_ground(&mut window);
     window.point(pixel.x, pixel.y);
     // With the mouse captured, the middle of the window counts.
     window.key("f");
@@ -82,6 +83,34 @@ fn c_digs_where_the_cursor_points_and_undo_restores_every_byte() {
 
     modes(&mut window, pixel, &before);
     window.close();
+}
+
+/// Over the panel and over the sky nothing is dug, and the user is told why.
+fn nothing_is_dug_without_ground(window: &mut Window) {
+    let hint = |status: &Value| status["hint"].as_str().unwrap_or_default().to_owned();
+    window.point(100.0, 300.0);
+    window.key("c");
+    let panel = window.wait("why not", |status| hint(status).contains("not over the picture"));
+    assert!(craters(&panel).is_empty());
+    // The view is from above; the sky is above its upper end.
+    let before = camera(&panel);
+    window.point(700.0, 400.0);
+    window.xdo("mousedown 3");
+    for y in [300.0, 150.0, 20.0] {
+        window.point(700.0, y);
+    }
+    window.xdo("mouseup 3");
+    window.wait("a look up", |status| camera(status).pitch > before.pitch + 10.0);
+    window.point(700.0, 12.0);
+    window.key("c");
+    let sky = window.wait("why not", |status| hint(status).contains("only sky under the cursor"));
+    assert!(craters(&sky).is_empty());
+    window.section("Terrain", false);
+    window.section("Camera", true);
+    window.click("Over view");
+    window.settled("the view from above", |status| camera(status) == before);
+    window.section("Camera", false);
+    window.section("Terrain", true);
 }
 
 /// Both ways to deform the ground, chosen in the panel.

@@ -17,6 +17,8 @@ use relief::heightfield::HeightField;
 use serde_json::Value;
 use tempfile::TempDir;
 
+use crate::desktop;
+
 /// How long anything may take before it counts as never happening; a loaded machine draws slowly.
 const PATIENCE: Duration = Duration::from_secs(60);
 
@@ -94,10 +96,20 @@ impl Window {
 
     /// Opens the viewer with further environment variables.
     pub(crate) fn open_with(arguments: &str, environment: &[(&str, &str)]) -> Self {
+        Self::open_on(arguments, environment, |_| ()).0
+    }
+
+    /// Opens the viewer on a screen that `prepare` has done something with; it is given the display's name.
+    pub(crate) fn open_on<T>(
+        arguments: &str,
+        environment: &[(&str, &str)],
+        prepare: impl FnOnce(&str) -> T,
+    ) -> (Self, T) {
         let turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
         command("xdotool", "xdotool");
         let folder = tempfile::Builder::new().prefix("relief-window-").tempdir().unwrap();
         let (screen, display) = screen();
+        let prepared = prepare(&display);
         let log = fs::File::create(folder.path().join("log")).unwrap();
         let mut viewer = relief();
         viewer.env("DISPLAY", &display).envs(environment.iter().copied());
@@ -112,7 +124,31 @@ impl Window {
         window.id = found.lines().next().expect("a window").trim().to_owned();
         // There is no window manager to give it the keyboard.
         window.xdo(&format!("windowfocus --sync {}", window.id));
-        window
+        (window, prepared)
+    }
+
+    /// The window's number on its display.
+    pub(crate) fn number(&self) -> u32 {
+        self.id.parse().unwrap()
+    }
+
+    /// What is on the screen inside the window, whoever drew it.
+    pub(crate) fn screen(&self) -> RgbaImage {
+        desktop::screen(&self.display, self.number())
+    }
+
+    /// Waits until the screen is as wanted: what the viewer has handed over need not be there yet.
+    #[track_caller]
+    pub(crate) fn screen_until(&self, what: &str, done: impl Fn(&RgbaImage) -> bool) -> RgbaImage {
+        let start = Instant::now();
+        loop {
+            let screen = self.screen();
+            if done(&screen) {
+                return screen;
+            }
+            assert!(start.elapsed() < PATIENCE, "waited in vain for {what} on the screen; the log: {}", self.log());
+            sleep(POLL);
+        }
     }
 
     /// A file in the test's folder.

@@ -49,9 +49,11 @@ fn good_map(window: &mut Window) {
     let map = GrayImage::from_fn(64, 48, |x, y| Luma([((x * 3 + y * 2) % 256) as u8]));
     map.save(window.path("ramp.png")).unwrap();
     let good = window.path("ramp.png");
+    assert_eq!(widget(&window.status(), "True proportion").unwrap()["disabled"], false, "the canyon has an extent");
     window.fill("Terrain file", &good.display().to_string());
     window.click("Open terrain");
     let opened = window.settled("the new map", |status| told(status, "Opened"));
+    assert_eq!(widget(&opened, "True proportion").unwrap()["disabled"], true, "a plain image has no proportion");
     assert_eq!(opened["scene"]["terrain"]["file"], good.display().to_string());
     let heights = list(&opened["ledger"]["textures"]).iter().find(|texture| texture["name"] == "heights").unwrap();
     assert_eq!((&heights["width"], &heights["height"]), (&64.into(), &48.into()));

@@ -27,7 +27,8 @@ pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
         });
         let tooltip = "The technique on the right. Its pipeline is built on first use.";
         choose(ui, &mut compare.technique, &choices, "Compare with", tooltip, off.then_some(why));
-        Number::new("Split", "Where the line is, as a share of the picture's width from the left, 0 to 1. Free.")
+        Number::new("Split", "Where the line is, as a share of the picture's width from the left, 0 to 1. The picture is as wide as the window: \
+                       its left is below the panel (F2 hides it). Free.")
             .decimals(3)
             .disabled_when(off, why)
             .slider(ui, &mut compare.share, 0.0..=1.0);

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use egui::Ui;
 
 use super::Panel;
-use super::widgets::{Number, button, button_unless, fact, section, text};
+use super::widgets::{Number, button_unless, fact, section, text};
 use crate::app::settings::Command;
 use crate::scene::TerrainSettings;
 
@@ -29,7 +29,10 @@ pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
             scene.terrain.height_scale = Some(scale);
         }
         let tooltip = format!("Sets the height scale to the map's own, {:.4}. Free.", facts.true_height_scale);
-        if button(ui, "True proportion", &tooltip) {
+        let unknown = facts.extent_metres.is_none().then_some(
+            "the map has no extent in metres, so its true proportion is not known; a sidecar can give it one",
+        );
+        if button_unless(ui, "True proportion", &tooltip, unknown) {
             scene.terrain.height_scale = None;
         }
         ui.separator();

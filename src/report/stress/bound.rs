@@ -47,15 +47,36 @@
 //! displacement that is bounded and checked: [`Tolerance::ratio`] divides how far the point found lies off the ground by
 //! how far it may, and the judge (`judge.rs`) asks that no ground before it was deeper than that.
 //!
-//! A pixel smaller than `across` cannot be told from its neighbours: on a map of n cells a field of view of 0.001° from a
-//! box length away has pixels of 10⁻⁷, and f32 coordinates end at 6·10⁻⁸. Near such silhouettes the displacement, not
-//! a share of a pixel, is the tangency band.
+//! # Deep zooms
+//!
+//! A pixel smaller than `across` could not be told from its neighbours. Such views, by `render/anchor.rs` those whose pixels
+//! are narrower than 2⁻¹⁸ of the box, are cast in coordinates that count from an anchor G on the central ray, at the ground
+//! that is seen, and the sizes in the sum become distances from there. Let l be the hit's distance from G, ρ the distance
+//! of the pixel's ray from the central one at G, c the side of a cell, and e = 2⁻²³·c across, 2⁻²⁴·h up, what is
+//! left of G where it is split into a cell, a fraction and an f32 height.
+//!
+//! 1. Origin and direction as above, with e + ρ for C and no scaling of their own: 4u·(e + ρ) + 5u·t·a.
+//! 2. In the cell: beside the anchor's and in it the patch is expanded about G, whose place there is exact; elsewhere the
+//!    entry's place is rounded, u·(t·a + 2c), and l is more than c: 3u·min(l, c) covers the rest.
+//! 3. The patch. The corners' heights over G are differences of f32 numbers, which the shader has as the map has
+//!    them (also where 16 bits hold them): u·H, with H the largest, at most the cell's relief r and the hit's height over G.
+//!    Beside the anchor the patch's height at G is made in f64, and its slopes and products are multiplied by the
+//!    distance from G: with all their terms less than **100u·(r + H)·min(1, (l + ρ)/c)** up. Elsewhere l is more than c.
+//! 4. Up: the product and two sums, 8u·t·a. Along the ray: **6u·l**.
+//!
+//! The sum: across, 4u·(e + ρ) + 6u·t·a + 3u·min(l, c); up, 4u·(e + ρ) + 8u·t·a + 100u·(r + H)·min(1, (l + ρ)/c). Of a picture n
+//! pixels high whose ground is not seen at a grazing angle l and ρ are at most n pixels, and all of it is below 10⁻⁵·n pixels:
+//! **a hundredth of a pixel**, at any field of view down to what f64 knows of the camera. Ground that is seen
+//! far behind, over a silhouette, has an anchor of its own, of up to four, and the ray is cast in pieces that count from the
+//! nearest. Where depths are spread more than that they are rounded by u of the distance to it, as in any other view.
+//!
+//! With layered craters the corners are sums in f32, and the 12u·h of the ordinary sum come back, again as an offset.
 
 use glam::DVec3;
 
 use crate::camera::Camera;
 use crate::heightfield::HeightField;
-use crate::render::ray_start;
+use crate::render::{Anchor, ray_start};
 
 /// Rounding of an f32 operation, relative to its result.
 pub const ROUNDING: f64 = 1.0 / (1u32 << 24) as f64;
@@ -125,20 +146,57 @@ impl Tolerance {
         pixel: [u32; 2],
         distance: f64,
         ground: &Ground,
+        anchors: &[Anchor],
     ) -> Self {
         let basis = camera.basis();
         let offset = |axis: usize| (f64::from(pixel[axis]) + 0.5 - f64::from(size[axis]) * 0.5).abs();
         let width = camera.pixel_size(size[1]);
         let beside = (basis.right.abs() * offset(0) + basis.up.abs() * offset(1)) * width;
+        let reference = ROUNDING_OF_REFERENCE * (camera.eye.abs().max_element() + distance);
+        let ray = camera.ray(f64::from(pixel[0]) + 0.5, f64::from(pixel[1]) + 0.5, size);
+        let length = ray.direction.length();
+        let away = |anchor: &&Anchor| (anchor.depth - distance / length).abs();
+        if let Some(anchor) = anchors.iter().min_by(|a, b| away(a).total_cmp(&away(b))) {
+            let hit = ray.origin + ray.direction * (distance / length);
+            let own =
+                Self::anchored(anchor, extent, beside, basis.forward.abs() + beside, hit, distance / length, ground);
+            let displacement = own.displacement + DVec3::splat(reference);
+            return Self { displacement, along: own.along + reference };
+        }
         let start = ray_start(camera, extent);
-        let length = camera.ray(f64::from(pixel[0]) + 0.5, f64::from(pixel[1]) + 0.5, size).direction.length();
         let origin = (camera.eye + basis.forward * start).abs() + beside * start;
         let direction = (basis.forward.abs() + beside) * (distance / length - start).abs();
         let patch = DVec3::Y * (12.0 * ground.highest + 45.0 * ground.relief);
         let counted = origin * 4.0 + direction * DVec3::new(7.0, 8.0, 7.0) + extent * 4.0 + patch;
-        let reference = ROUNDING_OF_REFERENCE * (camera.eye.abs().max_element() + distance);
         let beyond = (distance - start * length).abs();
         Self { displacement: counted * ROUNDING + DVec3::splat(reference), along: 6.0 * ROUNDING * beyond + reference }
+    }
+
+    /// That of a deep zoom, without the reference's: a ray `beside` the central one per view depth, of the `direction`, meets
+    /// `ground` at `hit`, at a view depth.
+    fn anchored(
+        anchor: &Anchor,
+        extent: DVec3,
+        beside: DVec3,
+        direction: DVec3,
+        hit: DVec3,
+        depth: f64,
+        ground: &Ground,
+    ) -> Self {
+        let [columns, rows] = anchor.cells.map(f64::from);
+        let cell = DVec3::new(extent.x / columns, extent.y, extent.z / rows);
+        let left = cell * DVec3::new(2.0, 1.0, 2.0) * ROUNDING;
+        let (beside, beyond) = (beside * anchor.depth, (depth - anchor.depth).abs());
+        let away = (hit - anchor.central).length();
+        let side = cell.x.min(cell.z);
+        let from_anchor = (away + beside.length()) / side;
+        let over = (hit.y - anchor.central.y).abs() + ground.relief;
+        let patch = 100.0 * (ground.relief + over) * from_anchor.min(1.0);
+        let counted = (left + beside) * 4.0
+            + direction * beyond * DVec3::new(6.0, 8.0, 6.0)
+            + DVec3::new(3.0, 0.0, 3.0) * away.min(side)
+            + DVec3::Y * patch;
+        Self { displacement: counted * ROUNDING, along: 6.0 * ROUNDING * away }
     }
 
     /// How far the f32 of a distance may be from what the ray's parameter says, world units.

@@ -110,7 +110,14 @@ pub(super) fn all(quick: bool) -> Vec<Case> {
             // The terrain that has plains, peaks and saddles is seen from everywhere.
             Terrain::Terraces => cases.extend(extreme_views(quick).iter().map(|&view| Case::new(terrain, view, side))),
             Terrain::Noise => {
-                let few = [View::AlongSide(90.0), View::Far(1e6), View::Field(0.001), View::Field(179.0)];
+                let few = [
+                    View::AlongSide(90.0),
+                    View::Far(1e6),
+                    View::Field(0.001),
+                    View::Field(1e-6),
+                    View::FarField(1e6, 1e-9),
+                    View::Field(179.0),
+                ];
                 cases.extend(few.map(|view| Case::new(terrain, view, side)));
                 let scales = [0.0, 1e-6, 1.0, 1e3];
                 let views = [View::Named(NamedView::Over), View::Axis(0.0)];
@@ -167,7 +174,7 @@ fn usual_views(quick: bool) -> &'static [View] {
 }
 
 fn extreme_views(quick: bool) -> &'static [View] {
-    const VIEWS: [View; 33] = [
+    const VIEWS: [View; 35] = [
         View::Axis(0.0),
         View::BesideAxis(0.0),
         View::AlongSide(0.0),
@@ -188,6 +195,8 @@ fn extreme_views(quick: bool) -> &'static [View] {
         View::Far(1e9),
         View::FarBeside(1e6),
         View::Field(0.001),
+        View::Field(1e-6),
+        View::FarField(1e6, 1e-9),
         View::Field(179.0),
         View::Rolled,
         View::UpFromInside,
@@ -203,7 +212,7 @@ fn extreme_views(quick: bool) -> &'static [View] {
         View::FarBeside(1e3),
     ];
     // One of each kind is at the front.
-    if quick { &VIEWS[..23] } else { &VIEWS }
+    if quick { &VIEWS[..25] } else { &VIEWS }
 }
 
 /// Pictures of extreme sizes, and large maps.

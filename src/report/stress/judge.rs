@@ -9,7 +9,7 @@ use super::bound::{Ground, Tolerance};
 use crate::camera::{Camera, Ray};
 use crate::heightfield::HeightField;
 use crate::heightfield::reference::{Hit, Surface};
-use crate::render::ray_start;
+use crate::render::Anchor;
 use crate::report::comparison::BAND_PIXELS;
 
 /// What a picture is judged by.
@@ -20,6 +20,8 @@ pub(super) struct Judge<'a> {
     pub(super) size: [u32; 2],
     /// Side of a cell, world units.
     pub(super) cell: f64,
+    /// What the rays count from, in a deep zoom.
+    pub(super) anchors: &'a [Anchor],
 }
 
 /// One pixel to be judged.
@@ -31,6 +33,8 @@ pub(super) struct Pixel {
     /// The technique's, and what the probe says of it beyond the start of the rays.
     pub(super) distance: f32,
     pub(super) beyond_start: f32,
+    /// View depth of that start.
+    pub(super) start: f64,
 }
 
 /// How far a point lies off what it should be on.
@@ -94,7 +98,6 @@ impl Judge<'_> {
     /// Judges the pixels; an index counts row by row.
     pub(super) fn judge(&self, pixels: &[Pixel]) -> Judgement {
         let surface = Surface::new(self.field, self.extent);
-        let start = ray_start(self.camera, self.extent);
         let each = |of: &Pixel| {
             let (index, width) = (of.index as u64, u64::from(self.size[0]));
             let pixel = [(index % width) as u32, (index / width) as u32];
@@ -102,7 +105,7 @@ impl Judge<'_> {
             if !distance.is_finite() {
                 return self.pixel(&surface, pixel, of.expected, distance);
             }
-            let precise = (start + f64::from(of.beyond_start)) * self.ray(pixel, 0.0, 0.0).direction.length();
+            let precise = (of.start + f64::from(of.beyond_start)) * self.ray(pixel, 0.0, 0.0).direction.length();
             let mut judged = self.pixel(&surface, pixel, of.expected, precise);
             let rounded = (distance - precise).abs() / Tolerance::of_distance(precise.abs());
             if rounded > 1.0 {
@@ -222,7 +225,7 @@ impl Judge<'_> {
     }
 
     fn tolerance(&self, pixel: [u32; 2], distance: f64, ground: &Ground) -> Tolerance {
-        Tolerance::of(self.camera, self.extent, self.size, pixel, distance, ground)
+        Tolerance::of(self.camera, self.extent, self.size, pixel, distance, ground, self.anchors)
     }
 
     /// Rays displaced by a share of the tolerance, along the axes and to the corners; with `band` also those of the tangency band.

@@ -2,6 +2,7 @@ use super::super::terrains::Terrain;
 use super::super::views::View;
 use super::*;
 use crate::camera::NamedView;
+use crate::render::ray_start;
 
 const SIZE: [u32; 2] = [48, 32];
 
@@ -16,10 +17,10 @@ fn judged(terrain: Terrain, view: View, change: &dyn Fn(usize, f64) -> f64) -> J
         let distance = change(index, expected);
         let at = [index as u32 % SIZE[0], index as u32 / SIZE[0]].map(|at| f64::from(at) + 0.5);
         let length = camera.ray(at[0], at[1], SIZE).direction.length();
-        Pixel { index, expected, distance: distance as f32, beyond_start: (distance / length - start) as f32 }
+        Pixel { index, expected, distance: distance as f32, beyond_start: (distance / length - start) as f32, start }
     };
     let pixels: Vec<_> = expected.iter().enumerate().map(pixel).collect();
-    Judge { field: &field, extent, camera: &camera, size: SIZE, cell: extent.x / 32.0 }.judge(&pixels)
+    Judge { field: &field, extent, camera: &camera, size: SIZE, cell: extent.x / 32.0, anchors: &[] }.judge(&pixels)
 }
 
 fn wrong(judgement: &Judgement) -> [u64; 4] {

@@ -361,10 +361,11 @@ impl Stage<'_> {
             expected,
             distance,
             beyond_start,
+            start: probe.start(at * stride),
         };
         let pixels: Vec<_> = reference.iter().zip(found).enumerate().map(pixel).collect();
         let &Self { field, extent, ref camera, size, cell } = self;
-        Judge { field, extent, camera, size, cell }.judge(&pixels)
+        Judge { field, extent, camera, size, cell, anchors: &probe.anchors }.judge(&pixels)
     }
 }
 

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use glam::DVec3;
 
-use super::{Stage, StressReport};
+use super::{CaseReport, Stage, StressReport};
 use crate::render::{COVERS_SKY, SEE_THROUGH, SKY_BOTH, error_colour, heat_map_colour};
 use crate::report::plot::{PlotError, rasterise, text};
 use crate::scene::Technique;
@@ -15,8 +15,11 @@ const THUMB: [u32; 2] = [112, 70];
 const GAP: u32 = 4;
 /// Width of the names' column, height of the head.
 const NAMES: u32 = 300;
-const HEAD: u32 = 64;
+const HEAD: u32 = 88;
 const PAPER: [u8; 3] = [255; 3];
+/// Marks of a case in which the exact technique is wrong: beyond its promise, or only inside the tangency band.
+const BROKEN: &str = "#c00";
+const BAND: &str = "#c77700";
 
 /// A small picture; what is beside a narrow one is empty.
 #[derive(Clone, Debug)]
@@ -116,6 +119,11 @@ impl Stage<'_> {
     }
 }
 
+/// The column of the exact technique's difference: [`Strip::columns`].
+const DIFFERENCE: u32 = 2;
+/// Width of the frame around it; the gap between pictures holds two.
+const FRAME: u32 = 2;
+
 /// Rows from which on the sheet has two blocks side by side.
 const MANY: usize = 40;
 
@@ -161,9 +169,9 @@ impl Layout {
     }
 }
 
-/// The strips that are shown, and whether their promise was broken: all, but of a terrain's random views only the first
-/// and those that were broken.
-fn shown(report: &StressReport) -> Vec<(&Strip, bool)> {
+/// The strips that are shown, with what was measured: all, but of a terrain's random views only the first and those that
+/// were broken.
+fn shown(report: &StressReport) -> Vec<(&Strip, &CaseReport)> {
     let mut last = "";
     let cases = report.strips.iter().zip(&report.cases);
     let chosen = cases.filter_map(|(strip, case)| {
@@ -173,7 +181,7 @@ fn shown(report: &StressReport) -> Vec<(&Strip, bool)> {
         if random {
             last = terrain;
         }
-        (first || broken).then_some((strip, broken))
+        (first || broken).then_some((strip, case))
     });
     chosen.collect()
 }
@@ -200,7 +208,7 @@ pub fn png(report: &StressReport) -> Result<Vec<u8>, PlotError> {
     rasterise(&svg, layout.size(), 1.0, below)
 }
 
-fn labels(out: &mut String, shown: &[(&Strip, bool)], layout: &Layout) -> std::fmt::Result {
+fn labels(out: &mut String, shown: &[(&Strip, &CaseReport)], layout: &Layout) -> std::fmt::Result {
     let [width, height] = layout.size();
     writeln!(
         out,
@@ -217,19 +225,43 @@ fn labels(out: &mut String, shown: &[(&Strip, bool)], layout: &Layout) -> std::f
         text(out, f64::from(x), f64::from(HEAD) - 8.0, "start", 13.0, name)?;
     }
     legend(out)?;
-    for (index, (strip, broken)) in shown.iter().enumerate() {
+    for (index, (strip, case)) in shown.iter().enumerate() {
         let [x, y] = layout.strip(index);
         // A name has up to three parts, each on its own line.
         for (line, part) in strip.name.split('/').enumerate() {
             text(out, x + 8.0, y + 20.0 + 18.0 * line as f64, "start", 15.0, part)?;
         }
-        if *broken {
-            writeln!(out, "<g fill=\"#c00\">")?;
-            text(out, x + f64::from(NAMES) - 12.0, y + 20.0, "end", 15.0, "broken")?;
-            writeln!(out, "</g>")?;
-        }
+        mark(out, case, [x, y])?;
     }
     writeln!(out, "</svg>")
+}
+
+/// Marks the exact technique's difference in the strip at `x`, `y` where it shows wrong pixels: a frame around it, and the
+/// reason in the column of names.
+fn mark(out: &mut String, case: &CaseReport, [x, y]: [f64; 2]) -> std::fmt::Result {
+    let (colour, words) = match (case.broken.is_empty(), case.judgement.tangent) {
+        (false, _) => (BROKEN, String::from("broken")),
+        (true, 0) => return Ok(()),
+        (true, pixels) => (BAND, format!("{pixels} in band")),
+    };
+    writeln!(out, "<g fill=\"{colour}\">")?;
+    text(out, x + f64::from(NAMES) - 12.0, y + 20.0, "end", 15.0, &words)?;
+    writeln!(out, "</g>")?;
+    let left = x + f64::from(NAMES) + f64::from(DIFFERENCE * Layout::STEP[0]);
+    frame(out, [left, y], THUMB.map(f64::from), colour)
+}
+
+/// A frame just outside a rectangle.
+fn frame(out: &mut String, [x, y]: [f64; 2], [width, height]: [f64; 2], colour: &str) -> std::fmt::Result {
+    let half = f64::from(FRAME) * 0.5;
+    writeln!(
+        out,
+        "<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"{FRAME}\"/>",
+        x - half,
+        y - half,
+        width + 2.0 * half,
+        height + 2.0 * half
+    )
 }
 
 /// What the colours of the differences mean.
@@ -247,5 +279,17 @@ fn legend(out: &mut String) -> std::fmt::Result {
     for step in 0..=20 {
         box_at(out, x + 8.0 * f64::from(step), heat_map_colour(step as f32 / 20.0))?;
     }
-    text(out, x + 190.0, 22.0, "start", 14.0, &format!("off by 1e{low} to 1e{high} cells or more"))
+    text(out, x + 190.0, 22.0, "start", 14.0, &format!("off by 1e{low} to 1e{high} cells or more"))?;
+    for (x, colour, words) in [
+        (8.0, BAND, "max-mipmap is wrong inside the tangency band only, where either is right: so many pixels"),
+        (658.0, BROKEN, "max-mipmap breaks its promise"),
+    ] {
+        frame(out, [x + 1.0, 37.0], [12.0, 12.0], colour)?;
+        text(out, x + 20.0, 48.0, "start", 14.0, words)?;
+    }
+    Ok(())
 }
+
+#[cfg(test)]
+#[path = "sheet_tests.rs"]
+mod tests;

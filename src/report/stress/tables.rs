@@ -101,7 +101,9 @@ fn write_promise(out: &mut String, report: &StressReport) -> std::fmt::Result {
         "\n*Missed*: the reference hits, the technique shows sky; *invented*: the reverse; *astray*: the distance differs \
          by more than a ray explains that is displaced within the bound derived in `src/report/stress/bound.rs`. A pixel is \
          in the *tangency band* where a ray displaced within that bound, or by a thousandth of a pixel, meets what the \
-         technique found: along a silhouette, or in a side of the box, either is right."
+         technique found: along a silhouette, or in a side of the box, either is right. On `contact-sheet.png` an amber frame \
+         marks where all wrong pixels of `max-mipmap` lie inside that band, with their number, and a red one where the promise \
+         is broken."
     )?;
     let failures = report.failures();
     if failures.is_empty() {

@@ -51,6 +51,8 @@ pub(super) enum View {
     Skim,
     /// A field of view of so many degrees, onto the ground.
     Field(f64),
+    /// So many box lengths away, with a field of view of so many degrees, onto the ground.
+    FarField(f64, f64),
     /// Upside down: a roll of 180°.
     Rolled,
     /// From anywhere in or around the box, with any field of view, towards a place on the ground; the number is the seed.
@@ -82,13 +84,14 @@ impl View {
             Self::FarBeside(distance) => format!("far-{distance:e}-beside"),
             Self::Skim => "skim".into(),
             Self::Field(degrees) => format!("fov-{degrees}"),
+            Self::FarField(distance, degrees) => format!("far-{distance:e}-fov-{degrees:e}"),
             Self::Rolled => "rolled-180".into(),
             Self::Random(seed) => format!("random-{seed}"),
         }
     }
 
-    /// Whether whole rows or columns of rays lie in a side of the box, along its lid or in a plateau, or a pixel is no
-    /// wider than f32 resolves: either answer is right for them, and as many may be excused.
+    /// Whether whole rows or columns of rays lie in a side of the box, along its lid or in a plateau: either answer is
+    /// right for them, and as many may be excused.
     pub(super) fn is_degenerate(self) -> bool {
         matches!(
             self,
@@ -101,8 +104,8 @@ impl View {
                 | Self::OnAnEdge
                 | Self::OnACorner
                 | Self::Skim
-        ) || matches!(self, Self::Field(degrees) if degrees < 0.1)
-            || matches!(self, Self::FarBeside(_))
+                | Self::FarBeside(_)
+        )
     }
 
     /// The camera over `map` in a box of the size `extent`.
@@ -162,6 +165,13 @@ impl View {
                 let close = DVec3::new(0.35 * extent.x, extent.y + 0.02, 0.7 * extent.z);
                 let eye = if degrees > 90.0 { close } else { DVec3::new(-0.2, extent.y + 0.5, 1.2 * extent.z) };
                 Camera::look_at(eye, on_ground(0.4137, 0.5731), degrees)
+            }
+            Self::FarField(distance, degrees) => {
+                let target = on_ground(0.4137, 0.5731);
+                let from = DVec3::new(0.3, 0.4, 1.0).normalize() * distance;
+                let camera = Camera::look_at(target + from, target, degrees);
+                // The angles are coarser than the picture: the eye is where they look at the target from.
+                Camera { eye: target - camera.basis().forward * distance, ..camera }
             }
             Self::Random(seed) => {
                 let mut draw = 0;

@@ -1,0 +1,219 @@
+//! Which pipeline a scene needs for its terrain.
+
+use crate::heightfield::ConeKind;
+use crate::scene::{CraterMode, DebugView, HeightFilter, Scene, Technique};
+
+/// What the pass writes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Output {
+    /// A picture.
+    View(DebugView),
+    /// Distance, steps, capped.
+    Probe,
+}
+
+/// All that is compiled into the terrain's pipeline. What a technique or view does not use is normalised away, so that
+/// flipping it builds nothing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) struct TerrainKey {
+    pub(super) technique: Technique,
+    pub(super) filter: HeightFilter,
+    pub(super) steps_by_angle: bool,
+    pub(super) lower_start: bool,
+    pub(super) discard_misses: bool,
+    pub(super) lighting: bool,
+    pub(super) diffuse: bool,
+    pub(super) layered: bool,
+    /// Hits are read from a texture of distances, and no ray is cast.
+    pub(super) given: bool,
+    /// Rays are counted from an anchor at the visible ground (`anchor.rs`).
+    pub(super) deep: bool,
+    pub(super) output: Output,
+}
+
+impl TerrainKey {
+    /// The pipeline that `scene` needs for a picture, or for a probe of it.
+    pub(super) fn of(scene: &Scene, probe: bool) -> Self {
+        Self::of_technique(scene, scene.march.technique, probe)
+    }
+
+    /// The same with another technique than the scene's.
+    pub(super) fn of_technique(scene: &Scene, technique: Technique, probe: bool) -> Self {
+        let march = &scene.march;
+        let output = if probe { Output::Probe } else { Output::View(scene.debug.view) };
+        let shaded = output == Output::View(DebugView::None);
+        let key = Self {
+            technique,
+            filter: if technique.samples_uniformly() { march.filter } else { HeightFilter::Exact },
+            steps_by_angle: technique.counts_samples() && march.steps_by_angle,
+            lower_start: march.lower_start,
+            // A miss is an error to be shown, whatever a picture would show in its place.
+            discard_misses: march.discard_misses || output == Output::View(DebugView::Error),
+            lighting: shaded && scene.lighting.enabled,
+            diffuse: shaded && scene.diffuse.enabled,
+            layered: scene.craters.mode == CraterMode::Layered && !scene.craters.list.is_empty(),
+            given: false,
+            deep: false,
+            output,
+        };
+        if key.finds_ground() { key } else { Self::without_rays() }
+    }
+
+    /// What finds the exact distances of `scene`, for the error view.
+    pub(super) fn of_exact_distances(scene: &Scene) -> Self {
+        Self { discard_misses: true, ..Self::of_technique(scene, Technique::MaxMipmap, true) }
+    }
+
+    /// The same picture from given distances: how hits would be found does not matter then.
+    pub(super) fn with_given_distances(self) -> Self {
+        if !self.finds_ground() {
+            return self;
+        }
+        let key = Self {
+            technique: Technique::default(),
+            filter: HeightFilter::Exact,
+            steps_by_angle: false,
+            lower_start: true,
+            given: true,
+            ..self
+        };
+        Self { layered: key.layered && key.reads_heights(), ..key }
+    }
+
+    /// The same for a view that is a deep zoom, or none. Only the exact technique is precise enough to need more than f32
+    /// has: the others are wrong by more than that, and what is given as an f32 distance has lost it already.
+    pub(super) fn in_a_deep_zoom(self, deep: bool) -> Self {
+        Self { deep: deep && self.needs_pyramid(), ..self }
+    }
+
+    /// Whether the pass finds out where the ground is.
+    pub(super) fn finds_ground(&self) -> bool {
+        self.output != Output::View(DebugView::Position)
+    }
+
+    /// Whether rays are cast.
+    pub(super) fn marches(&self) -> bool {
+        self.finds_ground() && !self.given
+    }
+
+    /// Whether heights are read: by the rays, or for normals alone.
+    pub(super) fn reads_heights(&self) -> bool {
+        self.marches() || self.needs_normals()
+    }
+
+    fn needs_normals(&self) -> bool {
+        self.lighting || self.output == Output::View(DebugView::Normals)
+    }
+
+    /// Whether hits are compared with the exact distances.
+    pub(super) fn needs_exact_distances(&self) -> bool {
+        self.output == Output::View(DebugView::Error)
+    }
+
+    /// Whether the technique walks the maximum pyramid.
+    pub(super) fn needs_pyramid(&self) -> bool {
+        self.marches() && self.technique == Technique::MaxMipmap
+    }
+
+    /// The cone map that the technique steps along.
+    pub(super) fn needs_cones(&self) -> Option<ConeKind> {
+        self.technique.cones().filter(|_| self.marches())
+    }
+
+    /// Whether heights are read through the sampler's linear filter.
+    pub(super) fn filters_heights(&self) -> bool {
+        self.filter == HeightFilter::HardwareLinear
+    }
+
+    fn without_rays() -> Self {
+        Self {
+            technique: Technique::default(),
+            filter: HeightFilter::Exact,
+            steps_by_angle: false,
+            lower_start: false,
+            discard_misses: false,
+            lighting: false,
+            diffuse: false,
+            layered: false,
+            given: false,
+            deep: false,
+            output: Output::View(DebugView::Position),
+        }
+    }
+
+    /// Every key that a scene can lead to.
+    #[cfg(test)]
+    pub(super) fn all() -> Vec<Self> {
+        let mut keys = std::collections::HashSet::new();
+        for (technique, filter, view) in Technique::ALL.into_iter().flat_map(|technique| {
+            [HeightFilter::Exact, HeightFilter::HardwareLinear, HeightFilter::Nearest]
+                .into_iter()
+                .flat_map(move |filter| DebugView::ALL.map(|view| (technique, filter, view)))
+        }) {
+            for bits in 0..128u32 {
+                let bit = |index: u32| bits & (1 << index) != 0;
+                let mut scene = Scene::default();
+                scene.march.technique = technique;
+                scene.march.filter = filter;
+                scene.march.steps_by_angle = bit(0);
+                scene.march.lower_start = bit(1);
+                scene.march.discard_misses = bit(2);
+                scene.lighting.enabled = bit(3);
+                scene.diffuse.enabled = bit(4);
+                scene.debug.view = view;
+                if bit(5) {
+                    scene.craters.mode = CraterMode::Layered;
+                    scene.craters.list.push(scene.craters.brush_at(0.5, 0.5));
+                }
+                let key = Self::of(&scene, bit(6));
+                let exact = Self::of_exact_distances(&scene);
+                keys.extend([key, exact, key.in_a_deep_zoom(true), exact.in_a_deep_zoom(true)]);
+                if !bit(6) {
+                    keys.insert(key.with_given_distances());
+                }
+            }
+        }
+        keys.into_iter().collect()
+    }
+
+    pub(super) fn defs(&self) -> Vec<&'static str> {
+        let shaded = self.output == Output::View(DebugView::None);
+        [
+            (self.filter == HeightFilter::HardwareLinear, "FILTER_HARDWARE_LINEAR"),
+            (self.filters_heights(), "HEIGHT_SAMPLER"),
+            (self.filter == HeightFilter::Nearest, "FILTER_NEAREST"),
+            (self.needs_pyramid(), "BEAM"),
+            (self.deep, "DEEP_ZOOM"),
+            (self.steps_by_angle, "STEPS_BY_ANGLE"),
+            (self.lower_start, "LOWER_START"),
+            (self.discard_misses, "DISCARD_MISSES"),
+            (self.layered, "CRATERS_LAYERED"),
+            (shaded, "SHADED"),
+            (self.lighting, "LIGHTING"),
+            (self.diffuse, "DIFFUSE_TEXTURE"),
+            (self.needs_normals(), "SURFACE_NORMAL"),
+            (self.given, "GIVEN_DISTANCES"),
+            (self.output == Output::Probe, "PROBE"),
+            (self.output == Output::View(DebugView::Position), "VIEW_POSITION"),
+            (self.output == Output::View(DebugView::Steps), "VIEW_STEPS"),
+            (self.needs_exact_distances(), "VIEW_ERROR"),
+            (self.output == Output::View(DebugView::Normals), "VIEW_NORMALS"),
+            (self.output == Output::View(DebugView::Distance), "VIEW_DISTANCE"),
+        ]
+        .into_iter()
+        .filter_map(|(on, def)| on.then_some(def))
+        .collect()
+    }
+
+    pub(super) fn march_file(&self) -> &'static str {
+        match self.technique {
+            Technique::Linear => "march/linear.wgsl",
+            Technique::LinearBinary => "march/linear-binary.wgsl",
+            Technique::Secant => "march/secant.wgsl",
+            Technique::Cone => "march/cone.wgsl",
+            Technique::RelaxedCone => "march/relaxed-cone.wgsl",
+            Technique::MaxMipmap if self.deep => "march/max-mipmap-deep.wgsl",
+            Technique::MaxMipmap => "march/max-mipmap.wgsl",
+        }
+    }
+}

@@ -1,0 +1,39 @@
+//! What the README promises.
+
+use std::fs;
+use std::path::Path;
+
+use crate::bench::Bench;
+
+#[test]
+fn every_command_and_option_of_the_readme_is_in_the_help() {
+    let bench = Bench::new();
+    let readme = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("README.md")).unwrap();
+    let section = readme.split("\n## ").find(|section| section.starts_with("Command line")).unwrap();
+    let commands = ["view", "render", "report", "stress", "info", "convert", "generate", "completions"];
+    let mut help = bench.relief("--help").stdout;
+    for command in commands {
+        assert!(help.contains(command), "{command} is missing in --help");
+        assert!(section.contains(&format!("relief {command}")), "{command} is missing in the README");
+        let run = bench.relief(&format!("{command} --help"));
+        help += &run.expect(0, &[]).stdout;
+    }
+    let is_end = |c: char| !c.is_ascii_alphanumeric() && c != '-';
+    let options = section.split("--").skip(1).map(|rest| rest.split(is_end).next().unwrap());
+    let options: Vec<&str> = options.filter(|option| option.starts_with(|c: char| c.is_ascii_alphabetic())).collect();
+    assert!(options.len() > 10, "the README shows options");
+    for option in options {
+        assert!(help.contains(&format!("--{option}")), "the README's --{option} is missing in --help");
+    }
+}
+
+#[test]
+fn the_readmes_scene_is_valid() {
+    let bench = Bench::new();
+    let readme = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("README.md")).unwrap();
+    let example = readme.split("```toml").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
+    bench.write("scene.toml", example);
+    let scene = relief::scene_file::read(&bench.path("scene.toml")).unwrap();
+    assert_eq!(scene.terrain.file, Some(bench.path("ridged.png")));
+    assert_eq!(scene.craters.list.len(), 1);
+}
