@@ -1,8 +1,14 @@
 // Cones on the map's cells, made in `heightfield/cone.rs`, where it is proven how far a ray may go on in one.
+//
+// They stand on the ground as it would be with holes as low as the floor. Less ground is there, so none of them is too wide;
+// but a relaxed cone's promise, that a ray which enters its ground stays in it, may not hold where a hole ends the ground.
 #define_import_path relief::cones
 
 #import relief::constants::MOST_HALVINGS
 #import relief::heightfield::{terrain, Segment, Hit, NO_HIT, cell_corners, bilinear}
+#ifdef HOLES
+#import relief::heightfield::has_ground
+#endif
 #import relief::sampling::sample_count
 
 // Per cell the slope of its cone without ground and, for relaxed cones, that of its relaxed cone; normalised heights
@@ -36,7 +42,14 @@ fn place_at(ray: Segment, t: f32, channel: vec2f) -> Place {
     let margin = over + slope * vec4f(0.0, to_wall.x, to_wall.y, to_wall.x + to_wall.y);
     let meets = select(vec4f(ray.end), margin / closing, closing > vec4f(0.0));
     let clear = min(min(meets.x, meets.y), min(meets.z, meets.w));
-    return Place(p.y - bilinear(corners, inside), select(0.0, clear, over > 0.0));
+    let above = p.y - bilinear(corners, inside);
+#ifdef HOLES
+    // Without ground there is none to be above, and no corner to measure the cone from: a uniform step.
+    let stands = has_ground(corners);
+    return Place(select(1e30, above, stands), select(0.0, clear, stands && over > 0.0));
+#else
+    return Place(above, select(0.0, clear, over > 0.0));
+#endif
 }
 
 // Halvings between a point above the ground and one below it; the last point below.
@@ -48,7 +61,12 @@ fn halved(ray: Segment, last_above: f32, first_below: f32) -> f32 {
         let middle = 0.5 * (above + below);
         let p = ray.origin + ray.direction * middle;
         let cell = clamp(floor(p.xz), vec2f(0.0), terrain.cells - 1.0);
-        if p.y <= bilinear(cell_corners(cell), p.xz - cell) {
+        let corners = cell_corners(cell);
+        var is_below = p.y <= bilinear(corners, p.xz - cell);
+#ifdef HOLES
+        is_below = is_below && has_ground(corners);
+#endif
+        if is_below {
             below = middle;
         } else {
             above = middle;

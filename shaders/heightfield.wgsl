@@ -84,8 +84,23 @@ fn layer_displacement(p: vec2f) -> f32 {
 }
 #endif
 
+#ifdef HOLES
+// A sample without a height. The texture of heights holds a number below 0 there, which no height is.
+const HOLE: f32 = -1.0;
+
+// Whether the cell with these corners (`cell_corners`) has ground: all of them hold a height.
+fn has_ground(corners: vec4f) -> bool {
+    return min(min(corners.x, corners.y), min(corners.z, corners.w)) >= 0.0;
+}
+
+// Whether the cell at the grid position `p` has ground.
+fn is_ground(p: vec2f) -> bool {
+    return has_ground(cell_corners(clamp(floor(p), vec2f(0.0), terrain.cells - 1.0)));
+}
+#endif
+
 // Heights of the samples at `cell` and south-east of it: north-west, north-east, south-west, south-east. World units.
-// Beyond the map's border the nearest sample counts.
+// Beyond the map's border the nearest sample counts; one that holds no height is HOLE.
 fn cell_corners(cell: vec2f) -> vec4f {
     // The corner that the four texels share. It lies half a texel from where the choice of texels would change.
     let shared_corner = (cell + 1.0) * terrain.texel_size;
@@ -100,9 +115,14 @@ fn cell_corners(cell: vec2f) -> vec4f {
         layer_displacement(east_south),
     );
     let displaced = corners * terrain.height_unit + displacement * terrain.size.y;
-    return clamp(displaced, vec4f(0.0), vec4f(terrain.size.y));
+    let ground = clamp(displaced, vec4f(0.0), vec4f(terrain.size.y));
 #else
-    return corners * terrain.height_unit;
+    let ground = corners * terrain.height_unit;
+#endif
+#ifdef HOLES
+    return select(ground, vec4f(HOLE), corners < vec4f(0.0));
+#else
+    return ground;
 #endif
 }
 
@@ -110,7 +130,8 @@ fn bilinear(corners: vec4f, f: vec2f) -> f32 {
     return mix(mix(corners.x, corners.y, f.x), mix(corners.z, corners.w, f.x), f.y);
 }
 
-// Height of the ground at the grid position `p`, world units, read the way the scene chose.
+// Height of the ground at the grid position `p`, world units, read the way the scene chose; far below the floor in a cell
+// without ground.
 fn ground_height(p: vec2f) -> f32 {
 #ifdef FILTER_HARDWARE_LINEAR
     var height = textureSampleLevel(heights, height_sampler, (p + 0.5) * terrain.texel_size, 0.0).r;
@@ -128,6 +149,10 @@ fn ground_height(p: vec2f) -> f32 {
     height *= terrain.height_unit;
 #ifdef CRATERS_LAYERED
     height = clamp(height + layer_displacement(p) * terrain.size.y, 0.0, terrain.size.y);
+#endif
+#ifdef HOLES
+    // Within a cell that has ground no filter blends in a hole.
+    height = select(-1e30, height, is_ground(p));
 #endif
     return height;
 }

@@ -3,6 +3,9 @@
 
 #import relief::frame::frame
 #import relief::heightfield::{terrain, cell_corners}
+#ifdef HOLES
+#import relief::heightfield::{bilinear, has_ground}
+#endif
 
 #ifdef DIFFUSE_TEXTURE
 @group(1) @binding(5) var diffuse_texture: texture_2d<f32>;
@@ -23,6 +26,30 @@ fn smoothing_weights(f: f32) -> vec4f {
     return 0.25 * vec4f(1.0 - f, 2.0 - f, 1.0 + f, f);
 }
 
+#ifdef HOLES
+// How near to a wall between cells a hit counts as on it, in cells: more than the rounding of a place on the largest map.
+const AT_WALL: f32 = 0.01;
+// How far below the ground, as a share of the box's height: more than what that rounding makes of a cliff.
+const BELOW_GROUND: f32 = 0.01;
+
+// Axis across the wall between two cells that a ray of this direction has hit at `p`, grid space, because there is ground
+// behind it and none before: the cut side of the ground around a hole. 3: it has hit the ground's surface.
+fn cut_axis(p: vec3f, direction: vec3f) -> u32 {
+    let cell = clamp(floor(p.xz + AT_WALL * sign(direction.xz)), vec2f(0.0), terrain.cells - 1.0);
+    let corners = cell_corners(cell);
+    let ground = bilinear(corners, clamp(p.xz - cell, vec2f(0.0), vec2f(1.0)));
+    let to_wall = abs(p.xz - round(p.xz));
+    let is_cut = has_ground(corners) && ground - p.y > BELOW_GROUND * terrain.size.y
+        && min(to_wall.x, to_wall.y) < AT_WALL;
+    return select(3u, select(2u, 0u, to_wall.x < to_wall.y), is_cut);
+}
+
+// Corners of a cell, with those that hold no height as high as one that does, or as the floor.
+fn without_holes(corners: vec4f, known: f32) -> vec4f {
+    return select(corners, vec4f(max(known, 0.0)), corners < vec4f(0.0));
+}
+#endif
+
 // Normal of the ground at the grid position `p`, world space: the Sobel gradients of the four samples around it,
 // interpolated, so that it is continuous although the patches have creases. The operator is separable, and so is the
 // interpolation: both together are one weight for each row and column of the 4×4 samples around the cell.
@@ -34,10 +61,17 @@ fn ground_normal(p: vec2f) -> vec3f {
     let cell = clamp(floor(p), vec2f(0.0), terrain.cells - 1.0);
     let f = p - cell;
 #endif
-    let north_west = cell_corners(cell - 1.0);
-    let north_east = cell_corners(cell + vec2f(1.0, -1.0));
-    let south_west = cell_corners(cell + vec2f(-1.0, 1.0));
-    let south_east = cell_corners(cell + 1.0);
+    var north_west = cell_corners(cell - 1.0);
+    var north_east = cell_corners(cell + vec2f(1.0, -1.0));
+    var south_west = cell_corners(cell + vec2f(-1.0, 1.0));
+    var south_east = cell_corners(cell + 1.0);
+#ifdef HOLES
+    // A neighbour that holds no height counts as high as the corner of the own cell beside it.
+    north_west = without_holes(north_west, north_west.w);
+    north_east = without_holes(north_east, north_east.z);
+    south_west = without_holes(south_west, south_west.y);
+    south_east = without_holes(south_east, south_east.x);
+#endif
     let rows = mat4x4f(
         vec4f(north_west.xy, north_east.xy),
         vec4f(north_west.zw, north_east.zw),

@@ -11,6 +11,9 @@
 #endif
 #import relief::srgb::from_srgb
 #import relief::heightfield::{terrain, Segment, Hit, NO_HIT}
+#ifdef HOLES
+#import relief::heightfield::{cell_corners, has_ground, is_ground}
+#endif
 #ifdef FLAT_CONSTANTS
 #import relief::heightfield::terrain_uniform
 #endif
@@ -136,10 +139,22 @@ fn clip_to_box(ray: Ray) -> Span {
 }
 
 #ifdef DEEP_ZOOM
+// A point of anchored space in grid space, as finely as that can be.
+fn anchored_point_in_grid(p: vec3f) -> vec3f {
+    let place = anchor::place_at(p.xz, terrain.cells);
+    let xz = place.cell + place.within;
+    return vec3f(xz.x, (anchor::anchor.height + p.y) / anchor::anchor.shares_per_unit, xz.y);
+}
+
 // What is met by the piece of the ray that counts from the present anchor.
 fn anchored_hit(ray: Ray, span: Span, beam: vec4f, verticality: f32) -> Hit {
     // The ground is nowhere below the floor: a ray that comes in through it is in the ground, whatever rounding says.
-    if span.axis == 1u && ray.direction.y > 0.0 {
+    var through_floor = span.axis == 1u && ray.direction.y > 0.0;
+#ifdef HOLES
+    let entry = anchor::place_at(ray.origin.xz + ray.direction.xz * span.begin, terrain.cells);
+    through_floor = through_floor && has_ground(cell_corners(entry.cell));
+#endif
+    if through_floor {
         return Hit(span.begin, 1u, 0u);
     }
     let shift = anchor::anchor.beam_shift;
@@ -213,8 +228,17 @@ fn fs_main(in: varyings::Varyings) -> Fragment {
     let hit = march(segment);
 #endif
     var at = hit.at;
-    if at == NO_HIT && span.to_floor {
-        // The floor is nowhere above the ground: only rounding brings a ray to it without a hit.
+    // The floor is nowhere above the ground: only rounding brings a ray to it without a hit.
+    var on_floor = at == NO_HIT && span.to_floor;
+#ifdef HOLES
+#ifdef DEEP_ZOOM
+    let last_cell = anchor::place_at(origin.xz + direction.xz * span.end, terrain.cells).cell;
+    on_floor = on_floor && has_ground(cell_corners(last_cell));
+#else
+    on_floor = on_floor && is_ground(origin.xz + direction.xz * segment.end);
+#endif
+#endif
+    if on_floor {
 #ifdef DEEP_ZOOM
         at = span.end;
 #else
@@ -291,20 +315,34 @@ fn fs_main(in: varyings::Varyings) -> Fragment {
 #else
     let facing = surface_normal(at == 0.0, span.axis, p.xz, ray.direction);
 #endif
+#ifdef HOLES
+#ifdef DEEP_ZOOM
+    let seen = anchored_point_in_grid(p);
+#else
+    let seen = p;
+#endif
+    let cut = shading::cut_axis(seen, ray.direction);
+    let turned = select(facing, normal_across(cut, ray.direction), cut != 3u);
+    return Fragment(vec4f(from_srgb(0.5 * turned + 0.5), 1.0), written);
+#else
     return Fragment(vec4f(from_srgb(0.5 * facing + 0.5), 1.0), written);
+#endif
 #endif
 #ifdef SHADED
 #ifdef DEEP_ZOOM
     let anchored_point = origin + direction * at;
     let place = anchor::place_at(anchored_point.xz, terrain.cells);
     // For colours, which a sampler's filter blends in 256 steps, f32 is fine enough from the map's corner, too.
-    let xz = place.cell + place.within;
-    let point = vec3f(xz.x, (anchor::anchor.height + anchored_point.y) / anchor::anchor.shares_per_unit, xz.y);
-    let wall = at_entry && (span.axis != 1u || ray.direction.y > 0.0);
+    let point = anchored_point_in_grid(anchored_point);
+    var wall = at_entry && (span.axis != 1u || ray.direction.y > 0.0);
 #else
     let point = origin + direction * at;
     // A hit where the ray comes in is the cut side of the box, unless it came in through the lid.
-    let wall = at == 0.0 && (span.axis != 1u || ray.direction.y > 0.0);
+    var wall = at == 0.0 && (span.axis != 1u || ray.direction.y > 0.0);
+#endif
+#ifdef HOLES
+    let cut = shading::cut_axis(point, ray.direction);
+    wall = wall || cut != 3u;
 #endif
     var albedo: vec3f;
     if wall {
@@ -314,9 +352,12 @@ fn fs_main(in: varyings::Varyings) -> Fragment {
     }
 #ifdef LIGHTING
 #ifdef DEEP_ZOOM
-    let normal = surface_normal(at_entry, span.axis, place, ray.direction);
+    var normal = surface_normal(at_entry, span.axis, place, ray.direction);
 #else
-    let normal = surface_normal(at == 0.0, span.axis, point.xz, ray.direction);
+    var normal = surface_normal(at == 0.0, span.axis, point.xz, ray.direction);
+#endif
+#ifdef HOLES
+    normal = select(normal, normal_across(cut, ray.direction), cut != 3u);
 #endif
     albedo = shading::lit(albedo, normal, ray.direction * (-1.0 / length_of_direction));
 #endif
@@ -325,6 +366,13 @@ fn fs_main(in: varyings::Varyings) -> Fragment {
 }
 
 #ifdef SURFACE_NORMAL
+// Normal of a side across `axis`, 0 to 2, that a ray of this direction meets.
+fn normal_across(axis: u32, direction: vec3f) -> vec3f {
+    var normal = vec3f(0.0);
+    normal[min(axis, 2u)] = -sign(direction[min(axis, 2u)]);
+    return normal;
+}
+
 // Normal of what was hit: the face for a hit at the box's side or floor, the ground's otherwise.
 #ifdef DEEP_ZOOM
 fn surface_normal(at_entry: bool, axis: u32, p: anchor::Place, direction: vec3f) -> vec3f {
@@ -336,9 +384,7 @@ fn surface_normal(at_entry: bool, axis: u32, p: vec2f, direction: vec3f) -> vec3
         return -normalize(direction);
     }
     if at_entry && (axis != 1u || direction.y > 0.0) {
-        var normal = vec3f(0.0);
-        normal[axis] = -sign(direction[axis]);
-        return normal;
+        return normal_across(axis, direction);
     }
 #ifdef DEEP_ZOOM
     return shading::normal_in_cell(p.cell, p.within);

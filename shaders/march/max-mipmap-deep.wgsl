@@ -41,17 +41,33 @@ fn shares_of_units(texels: vec4f) -> vec4f {
     return select(ldexp(rounded, -vec4i(doublings) - 23), vec4f(0.0), whole == vec4u(0u));
 }
 
+#ifdef HOLES
+// What stands for the height of a corner that holds none: below any other over any anchor.
+const NO_CORNER: f32 = -1e30;
+#endif
+
 // Heights of the corners of `cell` over the anchor's.
 fn corners_over_anchor(cell: vec2f) -> vec4f {
 #ifdef CRATERS_LAYERED
-    return cell_corners(cell) * anchor.shares_per_unit - anchor.height;
+    let corners = cell_corners(cell);
+    let over_anchor = corners * anchor.shares_per_unit - anchor.height;
+#ifdef HOLES
+    return select(over_anchor, vec4f(NO_CORNER), corners < vec4f(0.0));
+#else
+    return over_anchor;
+#endif
 #else
     let shared_corner = (cell + 1.0) * terrain.texel_size;
     var shares = textureGather(0, heights, corner_sampler, shared_corner).wzxy;
     if anchor.units > 0.0 {
         shares = shares_of_units(shares);
     }
-    return shares * anchor.relief - anchor.height;
+    let over_anchor = shares * anchor.relief - anchor.height;
+#ifdef HOLES
+    return select(over_anchor, vec4f(NO_CORNER), shares < vec4f(0.0));
+#else
+    return over_anchor;
+#endif
 #endif
 }
 
@@ -64,6 +80,11 @@ fn corners_over_anchor(cell: vec2f) -> vec4f {
 // not cancel.
 fn meet_ground(cell: vec2f, ray: Segment, begin: f32, end: f32) -> f32 {
     let corners = corners_over_anchor(cell);
+#ifdef HOLES
+    if any(corners == vec4f(NO_CORNER)) {
+        return NO_HIT;
+    }
+#endif
     let k = corners.x - corners.y - corners.z + corners.w;
     let from_cell = anchor.cell - cell;
     let anchor_within = from_cell + anchor.fraction;

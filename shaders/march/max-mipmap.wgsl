@@ -4,6 +4,9 @@
 
 #import relief::constants::MOST_STEPS
 #import relief::heightfield::{terrain, Segment, Hit, NO_HIT, cell_corners, bilinear}
+#ifdef HOLES
+#import relief::heightfield::has_ground
+#endif
 #import relief::pyramid::{
     RECIPROCAL_OF_ZERO, Walk, lesser, greater, course_along, start, node_of, places_on, place_of, stored_height, reached, moved_on, either,
 }
@@ -30,7 +33,12 @@ fn intersect_patch(corners: vec4f, local: vec3f, direction: vec3f, length: f32) 
     let approaching = linear <= 0.0;
     let t = select(-(linear + root), 2.0 * c, approaching) / select(2.0 * quadratic, root - linear, approaching);
     let meets = discriminant >= 0.0 && t >= 0.0 && t <= length;
-    return select(select(NO_HIT, t, meets), 0.0, c <= 0.0);
+    let first = select(select(NO_HIT, t, meets), 0.0, c <= 0.0);
+#ifdef HOLES
+    return select(NO_HIT, first, has_ground(corners));
+#else
+    return first;
+#endif
 }
 
 fn march(ray: Segment) -> Hit {

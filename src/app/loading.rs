@@ -2,11 +2,13 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
 use crate::heightfield::HeightField;
+use crate::heightfield::import::{ImportOptions, Listener};
 use crate::heightfield::load;
-use crate::render::{PreparedTerrain, RenderError};
+use crate::render::PreparedTerrain;
 
 /// A map that was opened.
 #[derive(Debug)]
@@ -32,6 +34,8 @@ pub(crate) struct Loader {
 #[derive(Debug)]
 struct Job {
     path: PathBuf,
+    /// Ends the reading of a file that nobody waits for any more.
+    cancel: Arc<AtomicBool>,
     result: Receiver<Result<Opened, String>>,
 }
 
@@ -46,14 +50,16 @@ impl Loader {
     ) -> std::io::Result<()> {
         let (sender, result) = channel();
         let file = path.clone();
+        let cancel = Arc::new(AtomicBool::new(false));
+        let cancelled = Arc::clone(&cancel);
         std::thread::Builder::new().name("load".into()).spawn(move || {
             // Dropped last, also when loading panics: the window has to hear of that, too.
             let _done = CallOnDrop(Some(done));
             let sender = sender;
             // Nobody listens any more when another file was opened meanwhile, or the window was closed.
-            let _ = sender.send(open(&file, limit));
+            let _ = sender.send(open(&file, limit, &cancelled));
         })?;
-        self.job = Some(Job { path, result });
+        self.job = Some(Job { path, cancel, result });
         Ok(())
     }
 
@@ -78,6 +84,12 @@ impl Loader {
     }
 }
 
+impl Drop for Job {
+    fn drop(&mut self) {
+        self.cancel.store(true, Ordering::Relaxed);
+    }
+}
+
 struct CallOnDrop<F: FnOnce()>(Option<F>);
 
 impl<F: FnOnce()> Drop for CallOnDrop<F> {
@@ -88,12 +100,10 @@ impl<F: FnOnce()> Drop for CallOnDrop<F> {
     }
 }
 
-fn open(path: &Path, limit: u32) -> Result<Opened, String> {
-    let [width, height] = load::dimensions(path).map_err(|error| error.to_string())?;
-    if width.max(height) > limit {
-        return Err(RenderError::TerrainTooLarge { width, height, limit }.to_string());
-    }
-    let loaded = load::load(path).map_err(|error| error.to_string())?;
+fn open(path: &Path, limit: u32, cancel: &AtomicBool) -> Result<Opened, String> {
+    let options = ImportOptions { limit: Some(limit), ..ImportOptions::default() };
+    let listener = Listener { progress: &|_| {}, cancel };
+    let loaded = load::load_with(path, &options, listener).map_err(|error| error.to_string())?;
     let stem =
         || path.file_stem().map_or_else(|| path.display().to_string(), |stem| stem.to_string_lossy().into_owned());
     let map = Arc::new(loaded.field);

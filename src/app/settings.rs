@@ -125,7 +125,7 @@ impl Facts {
             extent_metres: map.extent_metres(),
             true_height_scale: own.y,
             map: Arc::clone(map),
-            filterable_heights: gpu.capabilities.filters_heights(map.units(), false),
+            filterable_heights: gpu.capabilities.filters_heights(map.units().filter(|_| map.holes().is_none()), false),
             max_texture: gpu.capabilities.max_texture,
             adapter: gpu.adapter_name(),
             ledger: Ledger::default(),

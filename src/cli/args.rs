@@ -9,18 +9,29 @@ use glam::DVec3;
 use super::generate::{self, GenerateArgs};
 use super::parse;
 use crate::camera::NamedView;
+use crate::heightfield::Holes;
+use crate::heightfield::import::{Encoding, Endian, ImportOptions, NoData, RawType, VerticalUnit};
 use crate::scene::{CraterMode, DebugView, HeightFilter, Technique};
 
 const EXAMPLES: &str = "\
 Examples:
   relief                                        fly over the Grand Canyon
-  relief map.png                                fly over any greyscale PNG
+  relief map.tif                                fly over any elevation file: GeoTIFF, SRTM, ASCII grid, PNG ...
   relief render -o canyon.png --view valley     one picture, no window
   relief render map.png -o view.png --eye 0.5,0.6,1.4 --target 0.5,0,0.5 --size 1920x1080
   relief generate ridged --size 1024 --seed 7 -o ridged.png
 
 Exit codes:
   0 done   1 failed   2 usage   3 bad input   4 no usable GPU adapter";
+
+const CONVERT_EXAMPLES: &str = "\
+Examples:
+  relief convert etopo.cdf -o etopo.tif                     a GeoTIFF, with the samples and the place as they are
+  relief convert dem.tif -o dem.png                         a 16-bit PNG, and what it cannot say in dem.toml
+  relief convert big.tif -o part.asc --window 2000,1500,512,512
+  relief convert 12/2148/1605.png -o tile.tif --encoding terrarium
+
+OUT's ending says the format: .png, .tif, .asc, .flt, .r16, .r32. What the format itself cannot say stands in a sidecar, OUT.toml.";
 
 const RENDER_EXAMPLES: &str = "\
 Examples:
@@ -78,8 +89,11 @@ pub(crate) enum Command {
     /// Show for every technique where it breaks, and that the exact one does not: stiff terrain, extreme views and edits
     #[command(after_help = STRESS_EXAMPLES)]
     Stress(StressArgs),
-    /// Say what a height map holds
+    /// Say what an elevation file holds
     Info(InfoArgs),
+    /// Write an elevation file in another format
+    #[command(after_help = CONVERT_EXAMPLES)]
+    Convert(ConvertArgs),
     /// Make a height map
     #[command(after_help = generate::EXAMPLES)]
     Generate(Box<GenerateArgs>),
@@ -133,7 +147,7 @@ pub(crate) struct RenderArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct ReportArgs {
-    /// The height map: a greyscale PNG, 8 or 16 bits [default: the scene's, else the Grand Canyon, which is built in]
+    /// The elevation file, of any format in README.md [default: the scene's, else the Grand Canyon, which is built in]
     #[arg(value_parser = parse::input_file())]
     pub(crate) file: Option<PathBuf>,
     /// The folder for report.md, report.csv, report.json, error-vs-time.svg and error-vs-time.png; made where it is missing
@@ -152,6 +166,8 @@ pub(crate) struct ReportArgs {
     /// Few settings and rounds: under a minute instead of five to ten
     #[arg(long)]
     pub(crate) quick: bool,
+    #[command(flatten)]
+    pub(crate) open: OpenArgs,
 }
 
 #[derive(Debug, Args)]
@@ -176,18 +192,96 @@ pub(crate) struct StressArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct InfoArgs {
-    /// The height map
+    /// The elevation file
     #[arg(value_parser = parse::input_file())]
     pub(crate) file: PathBuf,
-    /// Print JSON: width, height, sample_type, min, max, nodata_fraction, crs, metres_per_sample, extent_metres
+    /// Print JSON: width, height, sample_type, min, max, nodata_fraction, crs, metres_per_sample, extent_metres, format,
+    /// compression, file_size, vertical_unit, bounds, geographic_bounds, pixel_is, warnings
     #[arg(long)]
     pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) open: OpenArgs,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ConvertArgs {
+    /// The elevation file
+    #[arg(value_parser = parse::input_file())]
+    pub(crate) file: PathBuf,
+    /// What to write; the ending says the format: .png, .tif, .asc, .flt, .r16, .r32
+    #[arg(short, long, value_name = "OUT")]
+    pub(crate) output: PathBuf,
+    #[command(flatten)]
+    pub(crate) open: OpenArgs,
+}
+
+/// What an elevation file does not say itself, or says wrongly. Each can also stand in its sidecar.
+#[derive(Clone, Debug, Default, Args)]
+#[command(next_help_heading = "Opening files")]
+pub(crate) struct OpenArgs {
+    /// Columns and rows of a file without a header (.raw, .r16, .r32) [default: the square root of its samples]
+    #[arg(long, value_name = "WxH", value_parser = parse::size)]
+    raw_size: Option<[u32; 2]>,
+    /// Its samples [default: u16, of .r32 f32, of .r8 u8]
+    #[arg(long, value_name = "TYPE", value_enum)]
+    raw_type: Option<RawType>,
+    /// Order of their bytes [default: little]
+    #[arg(long, value_name = "ORDER", value_enum)]
+    raw_endian: Option<Endian>,
+    /// The first row is the southernmost, or where the format says so itself, the northernmost
+    #[arg(long)]
+    flip: bool,
+    /// The colours of a PNG or WebP are heights
+    #[arg(long, value_name = "ENCODING", value_enum)]
+    encoding: Option<Encoding>,
+    /// The number that means no height, or none [default: what the file says]
+    #[arg(long, value_name = "NUMBER", allow_hyphen_values = true)]
+    nodata: Option<NoData>,
+    /// What heights are measured in [default: what the file says, else metres]
+    #[arg(long, value_name = "UNIT", value_enum)]
+    vertical_unit: Option<VerticalUnit>,
+    /// The band to take of several, from 1 [default: 1]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    band: Option<u32>,
+    /// The variable of a netCDF or channel of an OpenEXR to take [default: the likeliest]
+    #[arg(long, value_name = "NAME")]
+    variable: Option<String>,
+    /// What becomes of samples without a height [default: cut-out]
+    #[arg(long, value_name = "HOW", value_enum)]
+    holes: Option<Holes>,
+    /// Make one sample of the mean of N by N [default: 1, or as many as the adapter needs]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    reduce: Option<u32>,
+    /// Only a part: its first column and row from the north-west, its columns and rows
+    #[arg(long, value_name = "X,Z,W,H", value_parser = parse::window)]
+    window: Option<[u32; 4]>,
+}
+
+impl OpenArgs {
+    /// The same for the library.
+    pub(crate) fn options(&self) -> ImportOptions {
+        ImportOptions {
+            raw_size: self.raw_size,
+            raw_type: self.raw_type,
+            raw_endian: self.raw_endian,
+            flip: self.flip.then_some(true),
+            encoding: self.encoding,
+            nodata: self.nodata,
+            vertical_unit: self.vertical_unit,
+            band: self.band,
+            variable: self.variable.clone(),
+            holes: self.holes,
+            reduce: self.reduce,
+            window: self.window,
+            ..ImportOptions::default()
+        }
+    }
 }
 
 /// What to show. Everything left out comes from the scene file, and then from the defaults.
 #[derive(Debug, Default, Args)]
 pub(crate) struct SceneArgs {
-    /// The height map: a greyscale PNG, 8 or 16 bits [default: the scene's, else the Grand Canyon, which is built in]
+    /// The elevation file, of any format in README.md [default: the scene's, else the Grand Canyon, which is built in]
     #[arg(value_parser = parse::input_file())]
     pub(crate) file: Option<PathBuf>,
     /// A scene file (TOML); relative paths in it are relative to its folder
@@ -276,4 +370,6 @@ pub(crate) struct SceneArgs {
     /// Draw the edges of the terrain's box
     #[arg(long, help_heading = "Debugging")]
     pub(crate) wireframe: bool,
+    #[command(flatten)]
+    pub(crate) open: OpenArgs,
 }

@@ -6,6 +6,7 @@ use std::path::Path;
 use crate::app::AppError;
 use crate::gpu::GpuError;
 use crate::heightfield::LoadError;
+use crate::heightfield::save::SaveError;
 use crate::render::RenderError;
 use crate::scene_file::SceneFileError;
 
@@ -77,7 +78,14 @@ impl From<RenderError> for Failure {
 
 impl From<LoadError> for Failure {
     fn from(error: LoadError) -> Self {
-        Self::new(Exit::BadInput, error.to_string())
+        let exit = if matches!(error, LoadError::Cancelled { .. }) { Exit::Failed } else { Exit::BadInput };
+        Self::new(exit, error.to_string())
+    }
+}
+
+impl From<SaveError> for Failure {
+    fn from(error: SaveError) -> Self {
+        Self::new(Exit::Failed, error.to_string())
     }
 }
 

@@ -1,6 +1,7 @@
 //! The commands. Data goes to stdout or the named file, everything else to stderr; see [`run`] for the exit codes.
 
 mod args;
+mod convert;
 mod failure;
 mod generate;
 mod info;
@@ -49,6 +50,7 @@ fn execute(cli: &Cli) -> Result<(), Failure> {
         Some(Command::Report(args)) => report::run(args),
         Some(Command::Stress(args)) => stress::run(args),
         Some(Command::Info(args)) => info::run(args),
+        Some(Command::Convert(args)) => convert::run(args),
         Some(Command::Generate(args)) => generate::run(args),
         Some(Command::Completions { shell }) => {
             let mut script = Vec::new();

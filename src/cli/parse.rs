@@ -83,6 +83,18 @@ pub(crate) fn size(text: &str) -> Result<[u32; 2], String> {
     Ok([side("width", width)?, side("height", height)?])
 }
 
+/// `x,z,width,height` in samples.
+pub(crate) fn window(text: &str) -> Result<[u32; 4], String> {
+    let number =
+        |part: &str| part.trim().parse::<u32>().map_err(|_| format!("`{part}` is not a whole number of samples"));
+    let numbers = text.split(',').map(number).collect::<Result<Vec<_>, _>>()?;
+    match numbers[..] {
+        [x, z, width, height] if width >= 2 && height >= 2 => Ok([x, z, width, height]),
+        [_, _, _, _] => Err(String::from("a part has at least 2×2 samples")),
+        _ => Err(format!("expected four numbers x,z,width,height, found {}", numbers.len())),
+    }
+}
+
 /// How many of something.
 pub(crate) fn count(text: &str) -> Result<u32, String> {
     text.parse().map_err(|_| format!("`{text}` is not a whole number from 0 to {}", u32::MAX))
@@ -218,6 +230,14 @@ mod tests {
         assert_eq!(size("1280x800"), Ok([1280, 800]));
         for wrong in ["0x5", "5x0", "5", "x", "5x", "-5x5", "5.5x5", "99999999999x1"] {
             assert!(size(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn windows() {
+        assert_eq!(window("0, 5,100,2"), Ok([0, 5, 100, 2]));
+        for wrong in ["1,2,3", "1,2,3,4,5", "0,0,1,9", "-1,0,5,5", "a,b,c,d", ""] {
+            assert!(window(wrong).is_err(), "{wrong}");
         }
     }
 

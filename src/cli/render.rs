@@ -25,7 +25,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let outputs = Outputs::prepare(args)?;
     let mut scene = terrain::compose(&args.scene)?;
     outputs.spare_the_inputs(&scene, args.scene.scene.as_deref())?;
-    let (gpu, map) = Source::chosen(&args.scene, &scene).load_for_gpu()?;
+    let (gpu, map) = Source::chosen(&args.scene, &scene).load_for_gpu(&args.scene.open.options())?;
     terrain::check_size(args.size, gpu.capabilities.max_texture)?;
     let map = map.field;
     terrain::place_camera(&args.scene, &mut scene, &map)?;

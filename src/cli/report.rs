@@ -18,7 +18,7 @@ pub(crate) fn run(args: &ReportArgs) -> Result<(), Failure> {
     let (scene, cameras) = scenes(args)?;
     // Of several scenes the first one says what is measured.
     let source = Source::of(&scene).named_by(args.scenes.first().filter(|_| args.file.is_none()).map(PathBuf::as_path));
-    let (gpu, loaded) = source.load_for_gpu()?;
+    let (gpu, loaded) = source.load_for_gpu(&args.open.options())?;
     terrain::check_size(args.size, gpu.capabilities.max_texture)?;
     // After all that may be refused: no empty folder is left then.
     let outputs = Outputs::prepare(&args.output)?;

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use clap::CommandFactory;
 use glam::DVec3;
@@ -11,8 +12,8 @@ use super::failure::{Exit, Failure};
 use super::progress::Progress;
 use crate::camera::{Camera, NamedView};
 use crate::gpu::Gpu;
+use crate::heightfield::import::{ImportOptions, Listener};
 use crate::heightfield::{HeightField, LoadError, Loaded, load};
-use crate::render::RenderError;
 use crate::scene::Scene;
 use crate::scene_file;
 
@@ -68,52 +69,60 @@ impl Source {
     /// Loads the map and finds an adapter.
     ///
     /// A map that any adapter takes is loaded first, so that what is wrong with it is told on every machine. A larger
-    /// one is compared with the adapter's limit before it is decoded.
-    pub(crate) fn load_for_gpu(&self) -> Result<(Arc<Gpu>, Loaded), Failure> {
-        let Some([width, height]) = self.dimensions()?.filter(|[width, height]| width.max(height) > &SMALL) else {
-            let loaded = self.load()?;
-            return Ok((Gpu::headless()?, loaded));
-        };
-        let gpu = Gpu::headless()?;
-        let limit = gpu.capabilities.max_texture;
-        if width.max(height) > limit {
-            return Err(RenderError::TerrainTooLarge { width, height, limit }.into());
-        }
-        Ok((gpu, self.load()?))
+    /// one is made to fit the adapter.
+    pub(crate) fn load_for_gpu(&self, options: &ImportOptions) -> Result<(Arc<Gpu>, Loaded), Failure> {
+        let (gpu, loaded) = self.load_to_fit(options)?;
+        Ok((gpu.map_or_else(Gpu::headless, Ok)?, loaded))
     }
 
-    /// Width and height of a file, by its first bytes.
-    fn dimensions(&self) -> Result<Option<[u32; 2]>, Failure> {
-        match self {
-            Self::File { path, scene } => {
-                load::dimensions(path).map(Some).map_err(|error| cannot_open(path, scene.as_deref(), error))
+    /// Loads the map so that the adapter can hold it. The adapter is only asked for where it matters.
+    pub(crate) fn load_to_fit(&self, options: &ImportOptions) -> Result<(Option<Arc<Gpu>>, Loaded), Failure> {
+        let small = ImportOptions { limit: Some(SMALL), refuse_larger: true, ..options.clone() };
+        match self.open(&small) {
+            Err(LoadError::Beyond { .. }) => {
+                let gpu = Gpu::headless()?;
+                let limit = Some(gpu.capabilities.max_texture);
+                let loaded = self.load(&ImportOptions { limit, ..options.clone() })?;
+                Ok((Some(gpu), loaded))
             }
-            Self::BuiltIn => Ok(None),
+            result => Ok((None, self.told(result)?)),
         }
     }
 
     /// Loads the map. Warnings go to stderr.
-    pub(crate) fn load(&self) -> Result<Loaded, Failure> {
-        let loaded = {
-            let progress = Progress::start("reading the height map");
-            match self {
-                Self::File { path, scene } => load::load_with_progress(path, &|share| progress.set(share))
-                    .map_err(|error| cannot_open(path, scene.as_deref(), error))?,
-                Self::BuiltIn => {
-                    load::load_bytes(Path::new("grand-canyon.png"), GRAND_CANYON, Some(GRAND_CANYON_SIDECAR))?
-                }
-            }
-        };
+    pub(crate) fn load(&self, options: &ImportOptions) -> Result<Loaded, Failure> {
+        self.told(self.open(options))
+    }
+
+    fn told(&self, result: Result<Loaded, LoadError>) -> Result<Loaded, Failure> {
+        let loaded = result.map_err(|error| match self {
+            Self::File { path, scene } => cannot_open(path, scene.as_deref(), error),
+            Self::BuiltIn => error.into(),
+        })?;
         for warning in &loaded.warnings {
             super::warn(warning);
         }
         Ok(loaded)
     }
+
+    fn open(&self, options: &ImportOptions) -> Result<Loaded, LoadError> {
+        let progress = Progress::start("reading the height map");
+        match self {
+            Self::File { path, .. } => load::load_with(path, options, listener(&|share| progress.set(share))),
+            Self::BuiltIn => load::load_bytes(Path::new("grand-canyon.png"), GRAND_CANYON, Some(GRAND_CANYON_SIDECAR)),
+        }
+    }
+}
+
+/// Hears of progress. Here the whole program is what is cancelled.
+pub(crate) fn listener(progress: &dyn Fn(f32)) -> Listener<'_> {
+    static NEVER: AtomicBool = AtomicBool::new(false);
+    Listener { progress, cancel: &NEVER }
 }
 
 /// Why `path`, which `scene` may name, does not open; a word that looks like a mistyped command is answered with the
 /// command.
-fn cannot_open(path: &Path, scene: Option<&Path>, error: LoadError) -> Failure {
+pub(crate) fn cannot_open(path: &Path, scene: Option<&Path>, error: LoadError) -> Failure {
     let missing = matches!(error, LoadError::NotFound { .. });
     let failure = Failure::from(error);
     if let Some(scene) = scene {
@@ -303,7 +312,8 @@ mod tests {
 
     #[test]
     fn a_mistyped_command_is_answered_with_the_command() {
-        let answer = |word: &str| Source::File { path: word.into(), scene: None }.load().unwrap_err().to_string();
+        let source = |word: &str| Source::File { path: word.into(), scene: None };
+        let answer = |word: &str| source(word).load(&ImportOptions::default()).unwrap_err().to_string();
         assert!(answer("rendr").contains("relief render"), "{}", answer("rendr"));
         assert!(!answer("missing.png").contains("the command"));
     }

@@ -3,11 +3,13 @@
 //! The bands and their order are those of the Grand Canyon, from the dark schist of the gorge over red sandstone and
 //! cream cliffs to the wooded plateau, but they hang on normalised heights, so every landscape gets them.
 
+use std::sync::Arc;
+
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::generate::hash;
-use super::{HeightField, SampleRect};
+use super::{HeightField, Holes, SampleRect};
 
 /// Samples around a texel that its colour depends on, including the one cell of interpolation.
 const REACH: u32 = HOLLOW_RADIUS as u32 + 2;
@@ -116,8 +118,11 @@ impl Diffuse {
 }
 
 /// What colours depend on besides the place itself.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 struct Painter {
+    /// The map with its holes filled, where it has some: the colours around a hole are those of ground that goes on, and
+    /// what a sampler's filter blends in from beyond its edge looks like what is there.
+    filled: Option<Arc<HeightField>>,
     /// Slope (rise over run) of a height difference of 1 between neighbouring samples, west–east and north–south.
     slope_scale: [f32; 2],
     /// Mean slope of the whole map: what is steep is judged by it, so gentle maps show rock, too.
@@ -131,7 +136,8 @@ impl Painter {
         let [columns, rows] = field.cells().map(f64::from);
         let slope_scale = [(size.y * columns / size.x) as f32, (size.y * rows / size.z) as f32];
         let sides = field.box_size(None);
-        let mut painter = Self { slope_scale, mean_slope: 0.0, sides: [sides.x as f32, sides.z as f32] };
+        let filled = field.holes().map(|_| Arc::new(field.clone().with_hole_policy(Holes::Fill)));
+        let mut painter = Self { filled, slope_scale, mean_slope: 0.0, sides: [sides.x as f32, sides.z as f32] };
         // In two stages, so that the sum does not depend on how the work is shared out.
         let row_sums: Vec<f64> = (0..field.height() as i32)
             .into_par_iter()
@@ -142,16 +148,42 @@ impl Painter {
         painter
     }
 
+    /// A height, or the nearest one to a place beside the map.
+    fn near(&self, field: &HeightField, x: i32, y: i32) -> f32 {
+        let (x, y) = (x.max(0) as u32, y.max(0) as u32);
+        match &self.filled {
+            Some(filled) if field.is_hole(x, y) => filled.sample(x, y),
+            _ => field.sample(x, y),
+        }
+    }
+
+    /// Height of the surface at a place of the map.
+    fn surface_height(&self, field: &HeightField, u: f64, v: f64) -> f32 {
+        if self.filled.is_none() {
+            return field.surface_height(u, v) as f32;
+        }
+        let [columns, rows] = field.cells().map(f64::from);
+        let (x, y) = (u.clamp(0.0, 1.0) * columns, v.clamp(0.0, 1.0) * rows);
+        let (i, j) = (x.floor(), y.floor());
+        let (fx, fy) = ((x - i) as f32, (y - j) as f32);
+        let row = |j: i32| {
+            let (west, east) = (self.near(field, i as i32, j), self.near(field, i as i32 + 1, j));
+            west + (east - west) * fx
+        };
+        let (north, south) = (row(j as i32), row(j as i32 + 1));
+        north + (south - north) * fy
+    }
+
     /// Slope at a sample, by central differences.
     fn slope(&self, field: &HeightField, x: i32, y: i32) -> f32 {
-        let dx = (near(field, x + 1, y) - near(field, x - 1, y)) * 0.5 * self.slope_scale[0];
-        let dz = (near(field, x, y + 1) - near(field, x, y - 1)) * 0.5 * self.slope_scale[1];
+        let dx = (self.near(field, x + 1, y) - self.near(field, x - 1, y)) * 0.5 * self.slope_scale[0];
+        let dz = (self.near(field, x, y + 1) - self.near(field, x, y - 1)) * 0.5 * self.slope_scale[1];
         (dx * dx + dz * dz).sqrt()
     }
 
     /// sRGB colour, 0..255, at a place of the map.
     fn colour(&self, field: &HeightField, u: f64, v: f64) -> Vec3 {
-        let height = field.surface_height(u, v) as f32;
+        let height = self.surface_height(field, u, v);
         let [columns, rows] = field.cells().map(f64::from);
         let (x, y) = ((u * columns).round() as i32, (v * rows).round() as i32);
         let (nu, nv) = (u as f32 * self.sides[0], v as f32 * self.sides[1]);
@@ -173,7 +205,8 @@ impl Painter {
     fn hollow(&self, field: &HeightField, x: i32, y: i32, height: f32) -> f32 {
         const R: i32 = HOLLOW_RADIUS;
         let around = [(-R, 0), (R, 0), (0, -R), (0, R), (-2, -2), (2, -2), (-2, 2), (2, 2)];
-        let mean = around.into_iter().map(|(dx, dy)| near(field, x + dx, y + dy)).sum::<f32>() / around.len() as f32;
+        let mean =
+            around.into_iter().map(|(dx, dy)| self.near(field, x + dx, y + dy)).sum::<f32>() / around.len() as f32;
         (mean - height) * self.slope_scale[0] / R as f32
     }
 }
@@ -190,11 +223,6 @@ fn soil(height: f32, broad: f32, fine: f32) -> Vec3 {
     let cover = smoothstep(WOODS_FROM.0, WOODS_FROM.1, height + 0.07 * broad);
     let shrubs = 0.16 * smoothstep(-0.2, 1.0, fine) + 0.26 * smoothstep(-0.1, 1.1, broad);
     mix(soil, WOODS, (cover * smoothstep(-0.9, 0.8, fine + 0.7 * broad)).max(shrubs).clamp(0.0, 0.85))
-}
-
-/// A height, or the nearest one to a place beside the map.
-fn near(field: &HeightField, x: i32, y: i32) -> f32 {
-    field.sample(x.max(0) as u32, y.max(0) as u32)
 }
 
 fn mix(a: Vec3, b: Vec3, t: f32) -> Vec3 {

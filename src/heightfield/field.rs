@@ -1,9 +1,12 @@
 //! The height map in memory: normalised samples and what they stand for.
 
 use std::ops::RangeInclusive;
+use std::sync::Arc;
 
 use glam::DVec3;
 use rayon::prelude::*;
+
+use super::holes::{self, HoleMask, Holes};
 
 /// Height of the box over its longer horizontal side where a map does not say what it shows.
 pub(super) const PLAIN_HEIGHT_SCALE: f64 = 0.25;
@@ -47,12 +50,23 @@ pub enum HeightFieldError {
         /// Its row.
         row: u32,
     },
+    /// Nothing but holes.
+    #[error(
+        "none of the {width}×{height} samples holds a height\n  all are nodata or no finite numbers\n  \
+         check which number stands for nodata, or choose another part, band or file"
+    )]
+    AllHoles {
+        /// Columns.
+        width: u32,
+        /// Rows.
+        height: u32,
+    },
 }
 
 /// A height map: `width` × `height` samples, row 0 in the north, normalised so that the lowest is 0 and the highest 1.
 ///
 /// Samples stand on the corners of a grid of (width − 1) × (height − 1) cells; the surface between them is their
-/// bilinear interpolation.
+/// bilinear interpolation. A sample can be a hole, which holds no height; a cell with one at a corner has no ground.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HeightField {
     /// Columns, at least 2.
@@ -68,6 +82,8 @@ pub struct HeightField {
     extent_metres: Option<[f64; 2]>,
     /// Factor on the true proportion, 1 unless the map asks for another.
     exaggeration: f64,
+    /// The samples that hold no height and are cut out; absent where all hold one.
+    holes: Option<Arc<HoleMask>>,
 }
 
 impl HeightField {
@@ -80,30 +96,103 @@ impl HeightField {
     where
         T: Copy + Into<f64> + Sync,
     {
+        Self::from_raw_with_holes(width, height, raw, None)
+    }
+
+    /// Like [`Self::from_raw`], for a map with holes: what stands there is not looked at, and does not count for the
+    /// range. They are cut out ([`Self::with_hole_policy`] does otherwise), and as low as the lowest sample in
+    /// [`Self::samples`].
+    ///
+    /// # Errors
+    /// As [`Self::from_raw`]; [`HeightFieldError::AllHoles`] where nothing is left, and
+    /// [`HeightFieldError::WrongCount`] for a mask of another size.
+    pub fn from_raw_with_holes<T>(
+        width: u32,
+        height: u32,
+        raw: &[T],
+        holes: Option<HoleMask>,
+    ) -> Result<Self, HeightFieldError>
+    where
+        T: Copy + Into<f64> + Sync,
+    {
         if width < 2 || height < 2 {
             return Err(HeightFieldError::TooSmall { width, height });
         }
         if raw.len() as u64 != u64::from(width) * u64::from(height) {
             return Err(HeightFieldError::WrongCount { width, height, count: raw.len() });
         }
-        if let Some(index) = raw.par_iter().position_first(|&value| !value.into().is_finite()) {
+        let holes = holes.filter(|holes| holes.count() > 0);
+        if let Some(holes) = &holes {
+            if [holes.width(), holes.height()] != [width, height] {
+                return Err(HeightFieldError::WrongCount { width, height, count: raw.len() });
+            }
+            if holes.count() == raw.len() as u64 {
+                return Err(HeightFieldError::AllHoles { width, height });
+            }
+        }
+        let is_hole = |index: usize| holes.as_ref().is_some_and(|holes| holes.contains(index));
+        let bad = |(index, value): (usize, &T)| !(*value).into().is_finite() && !is_hole(index);
+        if let Some(index) = raw.par_iter().enumerate().position_first(bad) {
             let (column, row) = (index % width as usize, index / width as usize);
             return Err(HeightFieldError::NotFinite { column: column as u32, row: row as u32 });
         }
-        let (low, high, whole) =
-            raw.par_iter().map(|&value| (value.into(), value.into(), value.into().fract() == 0.0)).reduce(
-                || (f64::INFINITY, f64::NEG_INFINITY, true),
-                |a: (f64, f64, bool), b: (f64, f64, bool)| (a.0.min(b.0), a.1.max(b.1), a.2 && b.2),
-            );
+        let nothing = (f64::INFINITY, f64::NEG_INFINITY, true);
+        let (low, high, whole) = raw
+            .par_iter()
+            .enumerate()
+            .map(|(index, &value)| {
+                let value: f64 = value.into();
+                if is_hole(index) { nothing } else { (value, value, value.fract() == 0.0) }
+            })
+            .reduce(|| nothing, |a, b| (a.0.min(b.0), a.1.max(b.1), a.2 && b.2));
         // Halved, because the span of two finite numbers need not be finite.
         let half_span = high * 0.5 - low * 0.5;
-        let normalise = |&value: &T| {
+        let normalise = |(index, &value): (usize, &T)| {
             let above = value.into() * 0.5 - low * 0.5;
-            if half_span > 0.0 { normalised(above / half_span) } else { 0.0 }
+            if half_span > 0.0 && !is_hole(index) { normalised(above / half_span) } else { 0.0 }
         };
-        let samples = raw.par_iter().map(normalise).collect();
+        let samples = raw.par_iter().enumerate().map(normalise).collect();
         let units = if whole { units_for(high - low) } else { None };
-        Ok(Self { width, height, samples, units, range: [low, high], extent_metres: None, exaggeration: 1.0 })
+        let holes = holes.map(Arc::new);
+        Ok(Self { width, height, samples, units, range: [low, high], extent_metres: None, exaggeration: 1.0, holes })
+    }
+
+    /// The map with its holes treated so; only those that are still cut out can be. Filled ones are heights like any
+    /// other afterwards.
+    #[must_use]
+    pub fn with_hole_policy(mut self, policy: Holes) -> Self {
+        match policy {
+            Holes::CutOut => return self,
+            // They are as low as that already.
+            Holes::Floor => {}
+            Holes::Fill => {
+                if let Some(mask) = &self.holes {
+                    holes::fill(&mut self.samples, mask);
+                    for index in mask.indices() {
+                        self.samples[index] = Self::nearest_height(self.units, f64::from(self.samples[index]));
+                    }
+                }
+            }
+        }
+        self.holes = None;
+        self
+    }
+
+    /// The samples that hold no height; `None` where all do.
+    pub fn holes(&self) -> Option<&HoleMask> {
+        self.holes.as_deref()
+    }
+
+    /// Whether the sample in a column and row holds no height; beyond the border, the nearest one.
+    pub fn is_hole(&self, column: u32, row: u32) -> bool {
+        let (column, row) = (column.min(self.width - 1), row.min(self.height - 1));
+        self.holes.as_ref().is_some_and(|holes| holes.contains(row as usize * self.width as usize + column as usize))
+    }
+
+    /// Whether the cell in a column and row of cells has ground: none of its corners is a hole.
+    pub fn has_ground(&self, column: u32, row: u32) -> bool {
+        self.holes.is_none()
+            || ![(0, 0), (1, 0), (0, 1), (1, 1)].into_iter().any(|(x, y)| self.is_hole(column + x, row + y))
     }
 
     /// The map with samples that 16 bits hold: each rounded to a multiple of 1/65535, unless they already are such.
@@ -220,6 +309,7 @@ impl HeightField {
         };
         let lowest = inner(self.height)
             .flat_map(|row| inner(self.width).map(move |column| (column, row)))
+            .filter(|&(column, row)| !self.is_hole(column, row))
             .min_by(|&(a, b), &(c, d)| self.sample(a, b).total_cmp(&self.sample(c, d)));
         let [columns, rows] = self.cells().map(f64::from);
         lowest.map_or((0.5, 0.5), |(column, row)| (f64::from(column) / columns, f64::from(row) / rows))
@@ -306,6 +396,41 @@ mod tests {
         assert_eq!(rounded.units(), Some(65535));
         let expected = [0.0, 1.0, 19661.0 / 65535.0, 49151.0 / 65535.0].map(|height: f64| height as f32);
         assert_eq!(rounded.samples(), expected, "to the nearest");
+    }
+
+    #[test]
+    fn holes_are_not_looked_at() {
+        let mut holes = HoleMask::new(3, 3);
+        [0, 4].into_iter().for_each(|index| holes.insert(index));
+        let raw = [f64::NAN, 10.0, 20.0, 10.0, -9999.0, 12.0, 14.0, 30.0, 11.0];
+        let field = HeightField::from_raw_with_holes(3, 3, &raw, Some(holes.clone())).unwrap();
+        assert_eq!((field.range(), field.units().is_some()), ([10.0, 30.0], true));
+        assert_eq!((field.sample(0, 0), field.sample(1, 1), field.sample(2, 0)), (0.0, 0.0, 0.5));
+        assert!(field.is_hole(1, 1) && field.is_hole(0, 0) && !field.is_hole(1, 0) && !field.is_hole(9, 9));
+        assert!((0..2).all(|row| (0..2).all(|column| !field.has_ground(column, row))), "the middle is in all four");
+        let floor = field.clone().with_hole_policy(Holes::Floor);
+        assert!(floor.holes().is_none() && floor.has_ground(0, 0) && floor.samples() == field.samples());
+        let filled = field.clone().with_hole_policy(Holes::Fill);
+        assert!(filled.holes().is_none() && (0.1..0.9).contains(&filled.sample(1, 1)), "{}", filled.sample(1, 1));
+        let unit = f32::from(filled.units().unwrap());
+        assert!(filled.samples().iter().all(|s| (s * unit - (s * unit).round()).abs() < 0.01), "16 bits still hold it");
+
+        (0..9).for_each(|index| holes.insert(index));
+        let all = HeightField::from_raw_with_holes(3, 3, &raw, Some(holes));
+        assert_eq!(all, Err(HeightFieldError::AllHoles { width: 3, height: 3 }));
+        let none = HeightField::from_raw_with_holes(2, 2, &[1.0; 4], Some(HoleMask::new(2, 2))).unwrap();
+        assert!(none.holes().is_none());
+        let other = HeightField::from_raw_with_holes(
+            3,
+            3,
+            &raw,
+            Some({
+                let mut holes = HoleMask::new(2, 2);
+                holes.insert(0);
+                holes
+            }),
+        );
+        assert!(matches!(other, Err(HeightFieldError::WrongCount { .. })));
     }
 
     #[test]

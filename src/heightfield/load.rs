@@ -1,24 +1,15 @@
-//! Opening a height map's file: an 8- or 16-bit greyscale PNG and the sidecar beside it.
+//! Opening a height map's file of any format, and the sidecar beside it.
 
 use std::fs::File;
-use std::io::{self, BufReader, Read, Seek, SeekFrom};
+use std::io;
 use std::path::{Path, PathBuf};
 
-use image::codecs::png::PngDecoder;
-use image::{ColorType, DynamicImage, ImageDecoder, ImageError, Limits};
-
+use super::import::source::{Fault, ReadSeek, Source};
+use super::import::{self, Elevation, Format, Georeference, ImportOptions, Listener, Samples, Taken, VerticalUnit};
 use super::{HeightField, HeightFieldError, Sidecar};
 
 /// Most samples on a side; textures end far below it.
 pub const MAX_SIDE: u32 = 32768;
-
-/// Most bytes that decoding may take: an 8-bit RGBA picture of the largest size.
-const MAX_DECODED_BYTES: u64 = 4 * (MAX_SIDE as u64) * (MAX_SIDE as u64);
-
-/// Deflate's best compression; a file that promises more than this times its length cannot keep it.
-const MAX_DEFLATE_RATIO: u64 = 1032;
-
-const PNG_MAGIC: [u8; 8] = *b"\x89PNG\r\n\x1a\n";
 
 /// Why a height map did not open: what, why and what to do, a line each.
 #[derive(Debug, thiserror::Error)]
@@ -57,35 +48,95 @@ pub enum LoadError {
     },
     /// Some other format.
     #[error(
-        "cannot open {path}\n  it is not a PNG but looks like {looks_like}\n  convert it to an 8- or 16-bit greyscale PNG"
+        "cannot open {path}\n  it is no elevation file that opens here: it looks like {looks_like}\n  \
+         convert it to GeoTIFF or a 16-bit PNG, or say --raw-size and --raw-type if it holds nothing but samples"
     )]
-    NotPng {
+    Unrecognised {
         /// What was to be opened.
         path: PathBuf,
         /// What its first bytes say it is.
         looks_like: &'static str,
     },
-    /// The file ends before its picture does.
-    #[error("cannot open {path}\n  the PNG is truncated, it ends before its picture does\n  save or download it again")]
+    /// The file ends before its samples do.
+    #[error(
+        "cannot open {path}\n  the {format} is truncated, it ends before its samples do\n  save or download it again"
+    )]
     Truncated {
         /// What was to be opened.
         path: PathBuf,
+        /// What it is.
+        format: &'static str,
+    },
+    /// Its header promises more than it can hold.
+    #[error(
+        "cannot open {path}\n  the {format} is truncated: its {bytes} bytes cannot hold the {width}×{height} samples \
+         that it announces\n  save or download it again"
+    )]
+    Promises {
+        /// What was to be opened.
+        path: PathBuf,
+        /// What it is.
+        format: &'static str,
+        /// Its length.
+        bytes: u64,
+        /// Columns that it announces.
+        width: u64,
+        /// Rows that it announces.
+        height: u64,
     },
     /// Broken inside.
-    #[error("cannot open {path}\n  the PNG is damaged ({reason})\n  save or download it again")]
+    #[error("cannot open {path}\n  the {format} is damaged ({reason})\n  save or download it again")]
     Damaged {
         /// What was to be opened.
         path: PathBuf,
+        /// What it is.
+        format: &'static str,
         /// What the decoder says.
         reason: String,
     },
+    /// Known, but not supported.
+    #[error("cannot open {path}\n  the {format} has {feature}, which is not supported\n  {advice}")]
+    Unsupported {
+        /// What was to be opened.
+        path: PathBuf,
+        /// What it is.
+        format: &'static str,
+        /// What of it is not supported.
+        feature: String,
+        /// What to do.
+        advice: &'static str,
+    },
+    /// Something has to be said by hand.
+    #[error("cannot open {path}\n  {why}\n  {advice}")]
+    Unclear {
+        /// What was to be opened.
+        path: PathBuf,
+        /// What is not known.
+        why: String,
+        /// What to say.
+        advice: String,
+    },
     /// More samples than anything can hold.
     #[error(
-        "cannot open {path}\n  it says it has {width}×{height} samples, but at most {MAX_SIDE} on a side and \
-         {} GiB of picture are read\n  scale it down or cut it into parts",
-        MAX_DECODED_BYTES >> 30
+        "cannot open {path}\n  it says it has {width}×{height} samples, but a {format} is read with at most {MAX_SIDE} on a \
+         side\n  scale it down or cut it into parts"
     )]
     TooLarge {
+        /// What was to be opened.
+        path: PathBuf,
+        /// What it is.
+        format: &'static str,
+        /// Columns.
+        width: u64,
+        /// Rows.
+        height: u64,
+    },
+    /// More samples than the caller's limit, where it asked for no reduction.
+    #[error(
+        "cannot open {path}\n  its {width}×{height} samples are more than fit here\n  reduce it with --reduce, or choose a \
+         part of it with --window"
+    )]
+    Beyond {
         /// What was to be opened.
         path: PathBuf,
         /// Columns.
@@ -101,6 +152,12 @@ pub enum LoadError {
         /// What is wrong with it.
         source: HeightFieldError,
     },
+    /// Ended by the user.
+    #[error("{path} was not opened\n  it was cancelled\n  open it again")]
+    Cancelled {
+        /// What was to be opened.
+        path: PathBuf,
+    },
 }
 
 /// An opened height map.
@@ -110,105 +167,189 @@ pub struct Loaded {
     pub field: HeightField,
     /// What was not as expected but did not stop the map from opening; each a whole sentence that names its file.
     pub warnings: Vec<String>,
-    /// Type of the file's samples: "u8" or "u16".
+    /// Type of the file's samples: "u8", "u16", "i16", "f32" and so on.
     pub sample_type: &'static str,
     /// The sidecar's title.
     pub title: Option<String>,
-    /// The sidecar, if there is one that can be used.
+    /// The sidecar, if there is one that can be used. Its extent is that of the part that was taken.
     pub sidecar: Option<Sidecar>,
+    /// The file's format.
+    pub format: Format,
+    /// How its samples were packed, where the format has a choice.
+    pub compression: Option<String>,
+    /// Where the map lies.
+    pub georeference: Option<Georeference>,
+    /// What heights are measured in, where it is known; [`HeightField::range`] is in metres then.
+    pub vertical_unit: Option<VerticalUnit>,
+    /// Share of the samples that hold no height, 0..1.
+    pub nodata_fraction: f64,
+    /// The part of the file that was taken.
+    pub taken: Taken,
 }
 
 /// Opens the height map `path` and its sidecar.
 pub fn load(path: &Path) -> Result<Loaded, LoadError> {
-    load_with_progress(path, &|_| {})
+    load_with(path, &ImportOptions::default(), Listener::none())
 }
 
-/// Like [`load`]; `progress` hears the share of the file that has been read, 0..1, from this thread.
-pub fn load_with_progress(path: &Path, progress: &dyn Fn(f32)) -> Result<Loaded, LoadError> {
+/// Like [`load`], with what is known of the file besides. What the options leave open comes from the sidecar, then from
+/// the file, then from a guess, which is told as a warning.
+pub fn load_with(path: &Path, options: &ImportOptions, listener: Listener<'_>) -> Result<Loaded, LoadError> {
     let mut warnings = Vec::new();
-    let picture = decode(path, progress)?;
     let sidecar = Sidecar::read_for(path, &mut warnings);
-    let loaded = interpret(picture, sidecar, path, warnings)?;
-    progress(1.0);
+    let elevation = decode_bytes(path, open(path)?, true, options, sidecar.as_ref(), listener)?;
+    let loaded = interpret(elevation, sidecar, options, path, warnings)?;
+    (listener.progress)(1.0);
     Ok(loaded)
 }
 
-/// Opens a PNG that is already in memory, with the text of its sidecar; `name` stands for its path in messages.
+/// Opens a file that is already in memory, with the text of its sidecar; `name` stands for its path in messages.
 ///
 /// # Errors
 /// As [`load`], as far as bytes can be wrong.
-pub fn load_bytes(name: &Path, png: &[u8], sidecar: Option<&str>) -> Result<Loaded, LoadError> {
+pub fn load_bytes(name: &Path, bytes: &[u8], sidecar: Option<&str>) -> Result<Loaded, LoadError> {
+    let options = ImportOptions::default();
     let mut warnings = Vec::new();
-    let bytes = png.len() as u64;
-    check_head(&png[..png.len().min(HEAD_BYTES)], bytes, name)?;
-    let picture = decode_png(io::Cursor::new(png)).map_err(|(error, [width, height])| match error {
-        ImageError::Limits(_) if is_too_large(width, height) => {
-            LoadError::TooLarge { path: name.into(), width, height }
-        }
-        error => LoadError::Damaged { path: name.into(), reason: one_line(&error) },
-    })?;
     let sidecar = sidecar.and_then(|text| Sidecar::parse(text, &Sidecar::path_of(name), &mut warnings));
-    interpret(picture, sidecar, name, warnings)
+    let bytes = (Box::new(io::Cursor::new(bytes)) as Box<dyn ReadSeek + Send>, bytes.len() as u64);
+    let elevation = decode_bytes(name, bytes, false, &options, sidecar.as_ref(), Listener::none())?;
+    interpret(elevation, sidecar, &options, name, warnings)
 }
 
-/// Heights from a decoded picture, at the place that the sidecar gives them.
+/// Decodes `path` without making a map of it: for what keeps the file's own samples. The sidecar's place and heights hold
+/// already; the warnings come with the file's name.
+///
+/// # Errors
+/// As [`load`].
+pub fn decode(
+    path: &Path,
+    options: &ImportOptions,
+    listener: Listener<'_>,
+) -> Result<(Elevation, Option<Sidecar>, Vec<String>), LoadError> {
+    let mut warnings = Vec::new();
+    let sidecar = Sidecar::read_for(path, &mut warnings);
+    let mut elevation = decode_bytes(path, open(path)?, true, options, sidecar.as_ref(), listener)?;
+    warnings.extend(elevation.warnings.iter().map(|warning| format!("{}: {warning}", path.display())));
+    if let Some(range) = sidecar.as_ref().and_then(Sidecar::range) {
+        elevation.set_range(range);
+    }
+    Ok((elevation, sidecar, warnings))
+}
+
+/// The file and its length.
+fn open(path: &Path) -> Result<(Box<dyn ReadSeek + Send>, u64), LoadError> {
+    let io_error = |source| unreadable(path, source);
+    // Before opening, because opening a pipe waits for its writer.
+    let metadata = std::fs::metadata(path).map_err(io_error)?;
+    if metadata.is_dir() {
+        return Err(LoadError::Directory { path: path.into() });
+    }
+    Ok((Box::new(File::open(path).map_err(io_error)?), metadata.len()))
+}
+
+fn decode_bytes<'a>(
+    path: &'a Path,
+    (inner, bytes): (Box<dyn ReadSeek + Send + 'a>, u64),
+    on_disk: bool,
+    options: &ImportOptions,
+    sidecar: Option<&Sidecar>,
+    listener: Listener<'a>,
+) -> Result<Elevation, LoadError> {
+    let mut options = match sidecar {
+        Some(sidecar) => options.clone().or(&sidecar.import),
+        None => options.clone(),
+    };
+    options.needs_full_range = sidecar.is_some_and(|sidecar| sidecar.range().is_some());
+    let mut source = Source::new(inner, bytes, path, on_disk, listener).map_err(|source| unreadable(path, source))?;
+    if source.head.is_empty() {
+        return Err(LoadError::Empty { path: path.into() });
+    }
+    let format = Format::of(&source.head, path, &options)
+        .map_err(|looks_like| LoadError::Unrecognised { path: path.into(), looks_like })?;
+    let decoded = import::decode(format, &mut source, &options);
+    // Whatever it ended with: reading was refused from then on.
+    if listener.is_cancelled() {
+        return Err(LoadError::Cancelled { path: path.into() });
+    }
+    let mut elevation = decoded.map_err(|fault| error_of(fault, path, format, bytes))?;
+    if let Some(sidecar) = sidecar {
+        apply(sidecar, &mut elevation);
+    }
+    Ok(elevation)
+}
+
+/// What the sidecar says holds against what the file says.
+fn apply(sidecar: &Sidecar, elevation: &mut Elevation) {
+    let [x, y, _, _] = elevation.taken.window;
+    if let Some(place) = sidecar.georeference() {
+        elevation.georeference = Some(place.part([x, y], elevation.taken.factor));
+    } else {
+        elevation.georeference = elevation.georeference.take().map(|place| sidecar.with_system(place));
+    }
+    if sidecar.crs.is_some() || sidecar.crs_unit.is_some() {
+        elevation.warnings.retain(|warning| !warning.starts_with(import::UNIT_GUESSED));
+    }
+}
+
+/// The map of what was decoded, at the place that the sidecar gives it.
 fn interpret(
-    picture: DynamicImage,
+    mut elevation: Elevation,
     mut sidecar: Option<Sidecar>,
+    options: &ImportOptions,
     path: &Path,
     mut warnings: Vec<String>,
 ) -> Result<Loaded, LoadError> {
-    let (width, height) = (picture.width(), picture.height());
-    let colour = picture.color();
-    if colour.has_color() || colour.has_alpha() {
-        let what = match (colour.has_color(), colour.has_alpha()) {
-            (true, true) => "is coloured and has an alpha channel",
-            (true, false) => "is coloured",
-            _ => "has an alpha channel",
-        };
-        warnings.push(format!(
-            "{} {what}: its luminance is taken as the height; save it as greyscale to be sure of the heights",
-            path.display()
-        ));
-    }
-    let (field, sample_type) = match colour {
-        ColorType::L16 | ColorType::La16 | ColorType::Rgb16 | ColorType::Rgba16 => {
-            (HeightField::from_raw(width, height, picture.into_luma16().as_raw()), "u16")
-        }
-        _ => (HeightField::from_raw(width, height, picture.into_luma8().as_raw()), "u8"),
-    };
-    let field = field.map_err(|source| LoadError::NoSurface { path: path.into(), source })?;
+    warnings.extend(elevation.warnings.iter().map(|warning| format!("{}: {warning}", path.display())));
+    let policy = options.holes.or(sidecar.as_ref().and_then(|sidecar| sidecar.import.holes)).unwrap_or_default();
+    // What is known besides the samples, which the map takes.
+    let samples = std::mem::replace(&mut elevation.samples, Samples::U8(Vec::new()));
+    let facts = elevation.clone();
+    let extent = facts.extent_metres();
+    let field = Elevation { samples, ..elevation }.into_field(policy);
+    let field = field.map_err(|source| LoadError::NoSurface { path: path.into(), source })?.with_extent_metres(extent);
     let field = match &mut sidecar {
-        Some(sidecar) => place(field, sidecar, path, &mut warnings),
+        Some(sidecar) => {
+            sidecar.of_part(&facts.taken);
+            place(field, sidecar, &facts, path, &mut warnings)
+        }
         None => field,
     };
-    let title = sidecar.as_ref().and_then(|sidecar| sidecar.title.clone());
-    Ok(Loaded { field, warnings, sample_type, title, sidecar })
+    // The sidecar's heights are metres, whatever the file's are.
+    let stated = sidecar.as_ref().is_some_and(|sidecar| sidecar.range().is_some());
+    Ok(Loaded {
+        field,
+        warnings,
+        sample_type: facts.sample_type,
+        title: sidecar.as_ref().and_then(|sidecar| sidecar.title.clone()),
+        sidecar,
+        format: facts.format,
+        nodata_fraction: facts.hole_fraction(),
+        compression: facts.compression,
+        georeference: facts.georeference,
+        vertical_unit: stated.then_some(VerticalUnit::Metre).or(facts.vertical_unit),
+        taken: facts.taken,
+    })
 }
 
-/// Gives the map its place on the ground.
-fn place(field: HeightField, sidecar: &mut Sidecar, path: &Path, warnings: &mut Vec<String>) -> HeightField {
-    sidecar.drop_what_does_not_fit(&field, &Sidecar::path_of(path), warnings);
+/// Gives the map the place that its sidecar says.
+fn place(
+    field: HeightField,
+    sidecar: &mut Sidecar,
+    facts: &Elevation,
+    path: &Path,
+    warnings: &mut Vec<String>,
+) -> HeightField {
+    sidecar.drop_what_does_not_fit(&field, facts.extent_metres(), &Sidecar::path_of(path), warnings);
     let extent = sidecar.extent_of(field.cells());
-    let range = sidecar.range();
-    if extent.is_some() && range.is_none() {
+    if extent.is_some() && sidecar.range().is_none() && !facts.metric && facts.vertical_unit.is_none() {
         warnings.push(format!(
             "{} has an extent but not both lowest_metre and highest_metre: the samples themselves are taken as metres",
             Sidecar::path_of(path).display()
         ));
     }
-    let range = range.unwrap_or(field.range());
+    let range = sidecar.range().map_or(field.range(), |stated| facts.stated_range(field.range(), stated));
+    let extent = extent.or(field.extent_metres());
     field.with_extent_metres(extent).with_range(range).with_exaggeration(sidecar.vertical_exaggeration.unwrap_or(1.0))
-}
-
-/// Columns and rows of the height map `path`, from its first bytes: cheap, for a look at a limit before [`load`] decodes
-/// the picture.
-///
-/// # Errors
-/// As [`load`], as far as the first bytes tell.
-pub fn dimensions(path: &Path) -> Result<[u32; 2], LoadError> {
-    let head = open(path)?.2;
-    Ok([big_endian(&head, 16), big_endian(&head, 20)])
 }
 
 /// What kept `path` from being read.
@@ -222,172 +363,25 @@ fn unreadable(path: &Path, source: io::Error) -> LoadError {
     }
 }
 
-/// The file, its length in bytes and its first [`HEAD_BYTES`], which have been checked.
-fn open(path: &Path) -> Result<(File, u64, Vec<u8>), LoadError> {
-    let io_error = |source| unreadable(path, source);
-    // Before opening, because opening a pipe waits for its writer.
-    let metadata = std::fs::metadata(path).map_err(io_error)?;
-    if metadata.is_dir() {
-        return Err(LoadError::Directory { path: path.into() });
-    }
-    let mut file = File::open(path).map_err(io_error)?;
-    let mut head = Vec::with_capacity(HEAD_BYTES);
-    file.by_ref().take(HEAD_BYTES as u64).read_to_end(&mut head).map_err(io_error)?;
-    let bytes = metadata.len();
-    check_head(&head, bytes, path)?;
-    Ok((file, bytes, head))
-}
-
-/// Everything from the path to the decoded picture.
-fn decode(path: &Path, progress: &dyn Fn(f32)) -> Result<DynamicImage, LoadError> {
-    let io_error = |source| unreadable(path, source);
-    let (mut file, bytes, _) = open(path)?;
-    let complete = ends_with_iend(&mut file, bytes).map_err(io_error)?;
-    file.rewind().map_err(io_error)?;
-
-    let reader = BufReader::with_capacity(1 << 18, Counting { file, read: 0, bytes, progress });
-    decode_png(reader).map_err(|(error, [width, height])| match error {
-        ImageError::Limits(_) if is_too_large(width, height) => {
-            LoadError::TooLarge { path: path.into(), width, height }
+/// The fault with the file's name and format.
+fn error_of(fault: Fault, path: &Path, format: Format, bytes: u64) -> LoadError {
+    let (path, format) = (path.to_path_buf(), format.name());
+    match fault {
+        Fault::Truncated => LoadError::Truncated { path, format },
+        Fault::Promises([width, height]) => LoadError::Promises { path, format, bytes, width, height },
+        Fault::Damaged(reason) => LoadError::Damaged { path, format, reason },
+        Fault::Unsupported(feature, advice) => LoadError::Unsupported { path, format, feature, advice },
+        Fault::Unclear(why, advice) => LoadError::Unclear { path, why, advice },
+        Fault::TooLarge([width, height]) => LoadError::TooLarge { path, format, width, height },
+        Fault::Beyond([width, height]) => LoadError::Beyond { path, width, height },
+        Fault::TooSmall(size) => {
+            let [width, height] = size.map(|side| u32::try_from(side).unwrap_or(u32::MAX));
+            LoadError::NoSurface { path, source: HeightFieldError::TooSmall { width, height } }
         }
-        ImageError::IoError(source) if complete && source.kind() != io::ErrorKind::UnexpectedEof => io_error(source),
-        _ if !complete => LoadError::Truncated { path: path.into() },
-        error => LoadError::Damaged { path: path.into(), reason: one_line(&error) },
-    })
-}
-
-/// Decodes a PNG whose head has been checked; an error comes with the size that the head announces. A profile or text
-/// beside the picture cannot take more memory than [`BESIDE_THE_PICTURE`], however much is compressed into it.
-fn decode_png(reader: impl io::BufRead + Seek) -> Result<DynamicImage, (ImageError, [u32; 2])> {
-    let mut limits = Limits::no_limits();
-    limits.max_image_width = Some(MAX_SIDE);
-    limits.max_image_height = Some(MAX_SIDE);
-    limits.max_alloc = Some(BESIDE_THE_PICTURE);
-    let mut size = [0, 0];
-    let decoded = PngDecoder::with_limits(reader, limits.clone()).and_then(|mut decoder| {
-        size = decoder.dimensions().into();
-        limits.max_alloc = Some(MAX_DECODED_BYTES);
-        limits.clone().reserve(decoder.total_bytes())?;
-        limits.max_alloc = Some(decoder.total_bytes() + BESIDE_THE_PICTURE);
-        decoder.set_limits(limits)?;
-        DynamicImage::from_decoder(decoder)
-    });
-    decoded.map_err(|error| (error, size))
-}
-
-/// Most bytes of what a PNG holds beside its picture: colour profiles and texts.
-const BESIDE_THE_PICTURE: u64 = 4 << 20;
-
-/// Whether a picture can be too large for [`MAX_DECODED_BYTES`], with up to 8 bytes a pixel.
-fn is_too_large(width: u32, height: u32) -> bool {
-    8 * u64::from(width) * u64::from(height) > MAX_DECODED_BYTES
-}
-
-/// A decoder's message, which may have several lines.
-fn one_line(error: &ImageError) -> String {
-    error.to_string().split_whitespace().collect::<Vec<_>>().join(" ")
-}
-
-/// The signature, and the first chunk with the picture's size, depth and colour.
-const HEAD_BYTES: usize = 33;
-
-/// Refuses what the first bytes already show to be no height map.
-fn check_head(head: &[u8], bytes: u64, path: &Path) -> Result<(), LoadError> {
-    let path = || path.to_path_buf();
-    if head.is_empty() {
-        return Err(LoadError::Empty { path: path() });
-    }
-    if !head.starts_with(&PNG_MAGIC) && !PNG_MAGIC.starts_with(head) {
-        return Err(LoadError::NotPng { path: path(), looks_like: looks_like(head) });
-    }
-    if head.len() < HEAD_BYTES {
-        return Err(LoadError::Truncated { path: path() });
-    }
-    if head[12..16] != *b"IHDR" {
-        return Err(LoadError::Damaged { path: path(), reason: "its first chunk is not IHDR".into() });
-    }
-    let (width, height) = (big_endian(head, 16), big_endian(head, 20));
-    if width > MAX_SIDE || height > MAX_SIDE {
-        return Err(LoadError::TooLarge { path: path(), width, height });
-    }
-    if width < 2 || height < 2 {
-        return Err(LoadError::NoSurface { path: path(), source: HeightFieldError::TooSmall { width, height } });
-    }
-    let channels = match head[25] {
-        2 => 3,
-        4 => 2,
-        6 => 4,
-        _ => 1,
-    };
-    let row_bytes = (u64::from(width) * channels * u64::from(head[24])).div_ceil(8) + 1;
-    if row_bytes * u64::from(height) > bytes.saturating_mul(MAX_DEFLATE_RATIO) {
-        return Err(LoadError::Truncated { path: path() });
-    }
-    Ok(())
-}
-
-/// The number that begins at byte `at`, which is inside.
-fn big_endian(bytes: &[u8], at: usize) -> u32 {
-    u32::from_be_bytes([bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]])
-}
-
-/// Whether the last chunk is where it belongs, which tells a truncated file from a damaged one.
-fn ends_with_iend(file: &mut File, bytes: u64) -> io::Result<bool> {
-    let mut tail = Vec::new();
-    file.seek(SeekFrom::Start(bytes.saturating_sub(12)))?;
-    file.take(12).read_to_end(&mut tail)?;
-    Ok(tail.get(4..8) == Some(b"IEND"))
-}
-
-/// What a file that is no PNG looks like, by its first bytes.
-fn looks_like(head: &[u8]) -> &'static str {
-    const KNOWN: [(&[u8], &str); 17] = [
-        (b"\xff\xd8\xff", "a JPEG"),
-        (b"II*\0", "a TIFF"),
-        (b"MM\0*", "a TIFF"),
-        (b"II+\0", "a BigTIFF"),
-        (b"MM\0+", "a BigTIFF"),
-        (b"GIF8", "a GIF"),
-        (b"BM", "a BMP"),
-        (b"\x76\x2f\x31\x01", "an OpenEXR picture"),
-        (b"\x89HDF", "an HDF5 or netCDF-4 file"),
-        (b"CDF", "a netCDF file"),
-        (b"\0\0\0\x0cjP", "a JPEG 2000"),
-        (b"DDS ", "a DDS texture"),
-        (b"PK\x03\x04", "a ZIP archive"),
-        (b"\x1f\x8b", "a gzip archive"),
-        (b"%PDF", "a PDF"),
-        (b"P5", "a PGM"),
-        (b"ncols", "an ESRI ASCII grid"),
-    ];
-    if head.starts_with(b"RIFF") && head.get(8..12) == Some(b"WEBP") {
-        return "a WebP";
-    }
-    let known = KNOWN.iter().find(|(magic, _)| head.starts_with(magic));
-    let is_text = || head.iter().all(|byte| byte.is_ascii_graphic() || byte.is_ascii_whitespace());
-    known.map_or_else(|| if is_text() { "a text file" } else { "no format known here" }, |(_, name)| name)
-}
-
-/// A file that tells how far it has been read.
-struct Counting<'a> {
-    file: File,
-    read: u64,
-    bytes: u64,
-    progress: &'a dyn Fn(f32),
-}
-
-impl Read for Counting<'_> {
-    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        let count = self.file.read(buffer)?;
-        self.read += count as u64;
-        (self.progress)((self.read as f64 / self.bytes.max(1) as f64).min(1.0) as f32);
-        Ok(count)
-    }
-}
-
-impl Seek for Counting<'_> {
-    fn seek(&mut self, position: SeekFrom) -> io::Result<u64> {
-        self.file.seek(position)
+        Fault::AllHoles([width, height]) => {
+            LoadError::NoSurface { path, source: HeightFieldError::AllHoles { width, height } }
+        }
+        Fault::Io(source) => unreadable(&path, source),
     }
 }
 

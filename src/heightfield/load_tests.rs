@@ -78,7 +78,7 @@ fn a_file_that_changes_while_it_is_read_is_a_map_or_a_message() {
         // Larger than the reader's buffer, so that most of it is still unread at the first report.
         let path = write_map(&folder, 900, 800);
         let changed = Cell::new(false);
-        let result = load_with_progress(&path, &|_| {
+        let change = |_| {
             if !changed.replace(true) {
                 match name {
                     "overwritten" => overwrite(&path),
@@ -86,7 +86,9 @@ fn a_file_that_changes_while_it_is_read_is_a_map_or_a_message() {
                     _ => delete(&path),
                 }
             }
-        });
+        };
+        let listener = Listener { progress: &change, ..Listener::none() };
+        let result = load_with(&path, &ImportOptions::default(), listener);
         assert!(changed.get(), "{name}: progress was reported");
         match result {
             // An open file can be read although its name is gone.
@@ -135,8 +137,10 @@ fn each_bad_file_says_what_is_wrong_with_it() {
         (with(&good[..good.len() / 2]), "truncated"),
         (with(&good[..20]), "truncated"),
         (with(&good[..5]), "truncated"),
-        (with(b"\xff\xd8\xff\xe0rest"), "looks like a JPEG"),
-        (with(b"II*\0rest"), "looks like a TIFF"),
+        (with(b"\xff\xd8\xff\xe0rest"), "the JPEG is"),
+        (with(b"II*\0rest"), "the TIFF is"),
+        (with(b"GIF89a"), "looks like a GIF"),
+        (with(b"\x89HDF\r\n\x1a\n"), "looks like a netCDF-4"),
         (with(b"hello"), "looks like a text file"),
         (message(&folder.path().join("absent.png")), "no such file"),
         (message(folder.path()), "is a directory"),
@@ -264,12 +268,71 @@ fn every_table_of_a_scene_tells_it_from_a_sidecar() {
 }
 
 #[test]
-fn the_size_is_known_from_the_first_bytes() {
+fn the_first_bytes_beat_the_ending() {
     let folder = folder();
     let path = write_map(&folder, 37, 20);
-    assert_eq!(dimensions(&path).unwrap(), [37, 20]);
-    fs::write(&path, b"II*\0rest").unwrap();
-    assert_eq!(dimensions(&path).unwrap_err().to_string(), message(&path));
+    let renamed = folder.path().join("map.hgt");
+    fs::rename(&path, &renamed).unwrap();
+    let loaded = load(&renamed).unwrap();
+    assert_eq!((loaded.format, loaded.field.width()), (Format::Png, 37));
+}
+
+/// The heights that a sidecar gives are those of the whole file, whatever part of it is shown.
+#[test]
+fn a_part_has_the_heights_and_the_extent_of_the_part() {
+    let folder = folder();
+    let path = folder.path().join("map.png");
+    // 0 to 100 by column.
+    let raw: Vec<u16> = (0..11 * 6).map(|i| i % 11 * 10).collect();
+    save::save_raw_png16(11, 6, &raw, &path).unwrap();
+    let sidecar = "lowest_metre = 1000\nhighest_metre = 2000\nextent_metres = [500.0, 250.0]";
+    fs::write(folder.path().join("map.toml"), sidecar).unwrap();
+    let open = |options: &ImportOptions| load_with(&path, options, Listener::none()).unwrap();
+    let part = open(&ImportOptions { window: Some([2, 0, 5, 6]), ..Default::default() });
+    assert_eq!((part.field.range(), part.field.extent_metres()), ([1200.0, 1600.0], Some([200.0, 250.0])));
+    let means = open(&ImportOptions { reduce: Some(2), ..Default::default() });
+    assert_eq!((means.field.width(), means.field.height()), (5, 3));
+    assert_eq!((means.field.range(), means.field.extent_metres()), ([1050.0, 1850.0], Some([400.0, 200.0])));
+}
+
+#[test]
+fn what_a_file_does_not_say_the_sidecar_can() {
+    let folder = folder();
+    let path = folder.path().join("map.raw");
+    let samples: Vec<u8> = (0..12i16).flat_map(|i| (i * 100 - 500).to_be_bytes()).collect();
+    fs::write(&path, samples).unwrap();
+    let sidecar = "raw_size = [4, 3]\nraw_type = \"i16\"\nraw_endian = \"big\"\nnodata = -500\nholes = \"floor\"\n\
+        crs = \"EPSG:32611\"\norigin = [400000.0, 4000000.0]\nstep = [30.0, -30.0]\nvertical_unit = \"foot\"";
+    fs::write(folder.path().join("map.toml"), sidecar).unwrap();
+    let loaded = load(&path).unwrap();
+    assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
+    assert_eq!((loaded.field.width(), loaded.sample_type, loaded.nodata_fraction), (4, "i16", 1.0 / 12.0));
+    assert!(loaded.field.holes().is_none() && loaded.field.sample(0, 0) == 0.0, "floored");
+    assert_eq!(loaded.field.range(), [-400.0 * 0.3048, 600.0 * 0.3048], "in metres");
+    assert_eq!(loaded.field.extent_metres(), Some([90.0, 60.0]));
+
+    let text = loaded.sidecar.unwrap().to_toml().unwrap();
+    let mut warnings = Vec::new();
+    let again = Sidecar::parse(&text, Path::new("map.toml"), &mut warnings).unwrap();
+    assert!(warnings.is_empty() && again.to_toml().unwrap() == text, "{text}\n{warnings:?}");
+    let options = ImportOptions { holes: Some(super::super::Holes::CutOut), ..Default::default() };
+    assert!(load_with(&path, &options, Listener::none()).unwrap().field.is_hole(0, 0), "an option beats the sidecar");
+}
+
+/// One of its keys beside others is a sidecar; none may be missing from the list.
+#[test]
+fn every_key_of_a_sidecar_is_known() {
+    for key in Sidecar::KEYS {
+        let mut warnings = Vec::new();
+        let unlikely = format!("{key} = [[[]]]");
+        Sidecar::parse(&unlikely, Path::new("map.toml"), &mut warnings);
+        assert!(
+            warnings.len() == 1 && warnings[0].contains("ignored") && !warnings[0].contains("unknown"),
+            "{warnings:?}"
+        );
+    }
+    let all = [ImportOptions::KEYS.as_slice(), &Sidecar::KEYS].concat();
+    assert!(all.iter().all(|key| Sidecar::KEYS.contains(key)));
 }
 
 #[test]
@@ -277,11 +340,12 @@ fn progress_grows_to_one() {
     let folder = folder();
     let path = write_map(&folder, 600, 500);
     let (last, calls) = (Cell::new(0.0), Cell::new(0));
-    load_with_progress(&path, &|share| {
+    let hear = |share| {
         assert!(share >= last.get());
         last.set(share);
         calls.set(calls.get() + 1);
-    })
-    .unwrap();
+    };
+    let listener = Listener { progress: &hear, ..Listener::none() };
+    load_with(&path, &ImportOptions::default(), listener).unwrap();
     assert!(last.get() == 1.0 && calls.get() > 2, "{} after {}", last.get(), calls.get());
 }

@@ -2,6 +2,7 @@
 //!
 //! Level 0 is the cells themselves; it is not stored, since its nodes are the maximum of four samples that are read
 //! anyway. Level `l` has ⌈cells / 2^l⌉ nodes each way, so the last column or row of an odd level has fewer children.
+//! A cell with a hole at a corner has no ground and counts as 0; its other corners still count in the cells beside it.
 //! (Tevs, Ihrke, Seidel 2008: "Maximum Mipmaps for Fast, Accurate, and Scalable Dynamic Height Field Rendering".)
 
 use rayon::prelude::*;
@@ -128,8 +129,15 @@ impl MaxPyramid {
     }
 }
 
-/// The highest of the 3×3 samples on the corners of a level 1 node's 2×2 cells.
+/// The highest of the 3×3 samples on the corners of a level 1 node's 2×2 cells, less the cells without ground.
 fn highest_sample(field: &HeightField, x: u32, y: u32) -> f32 {
+    if field.holes().is_some() {
+        let cells = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(column, row)| (2 * x + column, 2 * y + row));
+        let [columns, rows] = field.cells();
+        let grounds = cells.into_iter().filter(|&(x, y)| x < columns && y < rows && field.has_ground(x, y));
+        let corners = grounds.flat_map(|(x, y)| [(x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1)]);
+        return corners.map(|(x, y)| field.sample(x, y)).fold(0.0, f32::max);
+    }
     let highest_of_row = |row: u32| (0..3).map(move |column| field.sample(2 * x + column, row)).fold(0.0, f32::max);
     (0..3).map(|row| highest_of_row(2 * y + row)).fold(0.0, f32::max)
 }
@@ -141,6 +149,7 @@ fn highest_child(finer: &PyramidLevel, x: u32, y: u32) -> f32 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::HoleMask;
     use super::super::testing::{Numbers, random_field};
     use super::*;
 
@@ -164,6 +173,33 @@ mod tests {
                 }
             }
             assert_eq!(pyramid.top(), 1.0);
+        }
+    }
+
+    #[test]
+    fn cells_without_ground_count_as_nothing() {
+        let mut numbers = Numbers::new(9);
+        for (width, height) in SIZES {
+            let field = random_field(width, height, 4);
+            let mut holes = HoleMask::new(width, height);
+            for _ in 0..=width * height / 20 {
+                holes.insert(numbers.below(width * height) as usize);
+            }
+            let raw: Vec<f64> = field.samples().iter().map(|&sample| f64::from(sample)).collect();
+            let Ok(field) = HeightField::from_raw_with_holes(width, height, &raw, Some(holes)) else { continue };
+            let pyramid = MaxPyramid::build(&field);
+            for (index, level) in pyramid.levels().iter().enumerate() {
+                let span = 2u32 << index;
+                for (x, y) in (0..level.height).flat_map(|y| (0..level.width).map(move |x| (x, y))) {
+                    let highest = (y * span..((y + 1) * span).min(height - 1))
+                        .flat_map(|row| (x * span..((x + 1) * span).min(width - 1)).map(move |column| (column, row)))
+                        .filter(|&(column, row)| field.has_ground(column, row))
+                        .flat_map(|(x, y)| [(x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1)])
+                        .map(|(x, y)| field.sample(x, y))
+                        .fold(0.0, f32::max);
+                    assert_eq!(level.node(x, y), highest, "{width}×{height}, level {}, node {x}, {y}", index + 1);
+                }
+            }
         }
     }
 

@@ -2,6 +2,9 @@
 //!
 //! A grid walk (Amanatides, Woo 1987) over the cells with integer steps, and in each cell the exact intersection with
 //! the bilinear patch of its corners. It shares no acceleration structure with what is measured against it.
+//!
+//! A cell with a hole at a corner has no ground, and neither sides nor floor: rays pass. The ground beside it is solid,
+//! so a ray that comes out of such a cell below the ground hits at the cell's wall.
 
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -56,12 +59,19 @@ impl<'a> Surface<'a> {
         let distance = match found {
             Some(distance) => distance,
             // The floor is nowhere above the surface; only rounding can bring a ray to it.
-            None if span.leaves_through_floor => length,
+            None if span.leaves_through_floor && self.is_ground(origin + ray.direction * length) => length,
             None => return None,
         };
         let wall =
             distance == 0.0 && span.face.is_some_and(|(axis, bound)| axis != 1 || bound == 0.0 && self.size.y > 0.0);
         Some(Hit { depth: span.enter + distance, position: origin + ray.direction * distance, wall })
+    }
+
+    /// Whether the cell at a place of the box has ground.
+    fn is_ground(&self, place: DVec3) -> bool {
+        let cell = |at: f64, side: f64, cells: u32| ((at / side * f64::from(cells)).max(0.0) as u32).min(cells - 1);
+        let cells = self.field.cells();
+        self.field.has_ground(cell(place.x, self.size.x, cells[0]), cell(place.z, self.size.z, cells[1]))
     }
 
     /// Walks the cells from `origin` in the box, at most `length` of `direction` far.
@@ -89,6 +99,9 @@ impl<'a> Surface<'a> {
 
     /// The first hit in one cell between two distances. `origin` and `direction` are in cells horizontally.
     fn cell(&self, x: u32, z: u32, origin: DVec3, direction: DVec3, start: f64, end: f64) -> Option<f64> {
+        if !self.field.has_ground(x, z) {
+            return None;
+        }
         let height = |i: u32, j: u32| f64::from(self.field.sample(i, j)) * self.size.y;
         let corners = [height(x, z), height(x + 1, z), height(x, z + 1), height(x + 1, z + 1)];
         let entry = origin + direction * start;

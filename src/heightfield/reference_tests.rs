@@ -1,10 +1,16 @@
 //! The reference against brute force.
 
+use super::super::HoleMask;
 use super::super::testing::{Numbers, random_field};
 use super::*;
 
 /// Height of a ray's point above the surface; what lies beside the box is no ground.
 fn above(field: &HeightField, size: DVec3, point: DVec3) -> f64 {
+    let [columns, rows] = field.cells();
+    let cell = |share: f64, cells: u32| ((share * f64::from(cells)).max(0.0) as u32).min(cells - 1);
+    if !field.has_ground(cell(point.x / size.x, columns), cell(point.z / size.z, rows)) {
+        return f64::INFINITY;
+    }
     point.y - size.y * field.surface_height(point.x / size.x, point.z / size.z)
 }
 
@@ -97,6 +103,58 @@ fn it_agrees_with_brute_force() {
         }
     }
     assert!(hits > 700 && walls > 50 && disputed <= 5, "{hits} hits, {walls} walls, {disputed} disputed");
+}
+
+/// A map of noise in which one sample in `one_in` is a hole.
+fn with_holes(width: u32, height: u32, numbers: &mut Numbers, one_in: u32) -> HeightField {
+    let raw: Vec<f64> = (0..width * height).map(|_| numbers.unit()).collect();
+    let mut holes = HoleMask::new(width, height);
+    (0..width * height).filter(|_| numbers.below(one_in) == 0).for_each(|index| holes.insert(index as usize));
+    HeightField::from_raw_with_holes(width, height, &raw, Some(holes)).unwrap()
+}
+
+#[test]
+fn cells_with_a_hole_let_rays_pass_as_in_brute_force() {
+    let mut numbers = Numbers::new(78);
+    let (mut hits, mut disputed, mut sky) = (0, 0, 0);
+    for (width, height, one_in) in [(3, 3, 7), (7, 4, 9), (12, 12, 20), (12, 12, 60)] {
+        let field = with_holes(width, height, &mut numbers, one_in);
+        let size = field.box_size(Some(0.5));
+        for _ in 0..300 {
+            // Off the walls between cells: marching cannot tell which side of one it is on.
+            let mut point = |low: f64, high: f64| DVec3::from_array([0; 3].map(|_| numbers.between(low, high))) * size;
+            let (origin, target) = (point(-1.0, 2.0), point(0.0, 1.0));
+            let ray = Ray { origin, direction: target - origin };
+            match (Surface::new(&field, size).intersect(&ray), march(&field, size, &ray)) {
+                (Some(hit), Some(depth)) if (hit.depth - depth).abs() < 1e-9 => hits += 1,
+                (None, None) => sky += 1,
+                (Some(hit), expected) => {
+                    disputed += 1;
+                    assert!(expected.is_none_or(|depth| hit.depth < depth), "{hit:?} {expected:?} {ray:?}");
+                }
+                (None, Some(depth)) => panic!("missed a hit at {depth} of {ray:?} over {width}×{height}"),
+            }
+        }
+    }
+    assert!(hits > 400 && sky > 100 && disputed <= 5, "{hits} hits, {sky} sky, {disputed} disputed");
+}
+
+#[test]
+fn a_hole_has_neither_sides_nor_floor_and_the_ground_beside_it_is_solid() {
+    let mut holes = HoleMask::new(4, 2);
+    holes.insert(0);
+    let field =
+        HeightField::from_raw_with_holes(4, 2, &[f64::NAN, 1.0, 1.0, 1.0, 1.0, 1.0, 0.0, 1.0], Some(holes)).unwrap();
+    let size = DVec3::new(3.0, 1.0, 1.0);
+    let surface = Surface::new(&field, size);
+    let shoot = |origin: DVec3, direction: DVec3| surface.intersect(&Ray { origin, direction });
+    assert_eq!(shoot(DVec3::new(0.5, 5.0, 0.5), DVec3::NEG_Y), None, "through the floor");
+    assert_eq!(shoot(DVec3::new(0.5, -5.0, 0.5), DVec3::Y), None, "from below");
+    assert_eq!(shoot(DVec3::new(0.5, 0.5, -5.0), DVec3::Z), None, "through both sides");
+    assert_eq!(shoot(DVec3::new(-1.0, 0.2, 0.5), DVec3::X).unwrap().depth, 2.0, "against the ground beside it");
+    assert_eq!(shoot(DVec3::new(0.5, 0.5, 0.5), DVec3::NEG_Y), None, "an eye in the hole");
+    let down = shoot(DVec3::new(1.5, 5.0, 0.5), DVec3::NEG_Y).unwrap();
+    assert!((down.depth - 4.25).abs() < 1e-12, "{down:?}");
 }
 
 /// Rays along crests and through corners of the grid, where a crack would show.

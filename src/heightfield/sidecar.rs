@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::field::EXTENT_RATIOS;
+use super::import::{Georeference, ImportOptions, PixelIs, Taken, UnitText};
 use super::{HEIGHT_SCALES, HeightField};
 
 /// The tables of a scene file. A screenshot's scene has the stem of its picture, just as a sidecar would.
@@ -13,7 +14,7 @@ const SCENE_TABLES: [&str; 10] =
 
 /// What a height map shows: the file with the map's stem and the ending `.toml`. Every key may be left out.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[serde(default)]
 pub struct Sidecar {
     /// Name of the terrain.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -42,6 +43,22 @@ pub struct Sidecar {
     /// Factor on the true proportion.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub vertical_exaggeration: Option<f64>,
+    /// Coordinates of the first, north-western sample: x (east) and y (north), in the units of `crs`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub origin: Option<[f64; 2]>,
+    /// From column to column and from row to row in the units of `crs`; the second is below 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub step: Option<[f64; 2]>,
+    /// What the coordinates of `crs` are counted in, where its number does not say: "degree", "web-mercator", or so many
+    /// metres each.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) crs_unit: Option<UnitText>,
+    /// What a sample stands for: the mean of an "area" around it, or the "point" it was measured at.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pixel_is: Option<PixelIs>,
+    /// How to open the map.
+    #[serde(flatten)]
+    pub import: ImportOptions,
     /// What the map was made from, where this program made it; read by [`super::generate::recipe_file::read`].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub recipe: Option<toml::Table>,
@@ -49,7 +66,7 @@ pub struct Sidecar {
 
 impl Sidecar {
     /// The keys that a sidecar may have.
-    pub const KEYS: [&'static str; 10] = [
+    pub const KEYS: [&'static str; 26] = [
         "title",
         "extent_metres",
         "lowest_metre",
@@ -59,6 +76,22 @@ impl Sidecar {
         "source",
         "licence",
         "vertical_exaggeration",
+        "origin",
+        "step",
+        "crs_unit",
+        "pixel_is",
+        "raw_size",
+        "raw_type",
+        "raw_endian",
+        "flip",
+        "encoding",
+        "nodata",
+        "vertical_unit",
+        "band",
+        "variable",
+        "holes",
+        "reduce",
+        "window",
         "recipe",
     ];
 
@@ -69,7 +102,7 @@ impl Sidecar {
 
     /// Reads the sidecar of `map`. Whatever is wrong with it becomes a warning: the map opens all the same, and what
     /// is right in the sidecar holds. A scene file in its place is no sidecar, and not worth a word.
-    pub(super) fn read_for(map: &Path, warnings: &mut Vec<String>) -> Option<Self> {
+    pub(crate) fn read_for(map: &Path, warnings: &mut Vec<String>) -> Option<Self> {
         let path = Self::path_of(map);
         let text = match std::fs::read_to_string(&path) {
             Ok(text) => text,
@@ -108,6 +141,14 @@ impl Sidecar {
         }
     }
 
+    /// The text of the file that says this.
+    ///
+    /// # Errors
+    /// The words of the encoder; no sidecar that was read or made here has any.
+    pub fn to_toml(&self) -> Result<String, String> {
+        toml::to_string(self).map_err(|error| error.to_string())
+    }
+
     fn is_known(key: &str, path: &Path, warnings: &mut Vec<String>) -> bool {
         if Self::KEYS.contains(&key) {
             return true;
@@ -135,6 +176,19 @@ impl Sidecar {
             warn("vertical_exaggeration was ignored: it must be finite and above 0; 1 is the true proportion");
             self.vertical_exaggeration = None;
         }
+        let place = [self.origin, self.step].into_iter().flatten().flatten().all(f64::is_finite);
+        if !place || self.step.is_some_and(|step| step.contains(&0.0)) || self.origin.is_some() != self.step.is_some() {
+            warn("origin and step were ignored: give both, finite, and steps other than 0");
+            (self.origin, self.step) = (None, None);
+        }
+        if matches!(self.crs_unit, Some(UnitText::Metres(metres)) if !positive(metres)) {
+            warn("crs_unit was ignored: it must be finite and above 0");
+            self.crs_unit = None;
+        }
+        if self.import.reduce == Some(0) {
+            warn("reduce was ignored: it must be at least 1");
+            self.import.reduce = None;
+        }
         let range_is_sound = match (self.lowest_metre, self.highest_metre) {
             (Some(low), Some(high)) => low.is_finite() && high.is_finite() && low <= high,
             (None, None) => true,
@@ -146,9 +200,15 @@ impl Sidecar {
         }
     }
 
-    /// Drops what would give the box of `field` a shape that cannot be drawn, each with a warning. `path` is the
-    /// sidecar's.
-    pub(super) fn drop_what_does_not_fit(&mut self, field: &HeightField, path: &Path, warnings: &mut Vec<String>) {
+    /// Drops what would give the box of `field` a shape that cannot be drawn, each with a warning. `place` is the extent
+    /// that the map has without the sidecar, `path` is the sidecar's.
+    pub(super) fn drop_what_does_not_fit(
+        &mut self,
+        field: &HeightField,
+        place: Option<[f64; 2]>,
+        path: &Path,
+        warnings: &mut Vec<String>,
+    ) {
         let mut warn = |what: String| warnings.push(format!("{}: {what}", path.display()));
         if self.extent_of(field.cells()).is_some_and(|extent| !HeightField::is_extent(extent)) {
             let (least, most) = (EXTENT_RATIOS.start(), EXTENT_RATIOS.end());
@@ -157,7 +217,7 @@ impl Sidecar {
             ));
             (self.extent_metres, self.metres_per_sample) = (None, None);
         }
-        let extent = self.extent_of(field.cells());
+        let extent = self.extent_of(field.cells()).or(place);
         if extent.is_none() && self.range().is_some_and(|[low, high]| !(high - low).is_finite()) {
             warn(format!("lowest_metre and highest_metre were ignored: they must be less than {:e} apart", f64::MAX));
             (self.lowest_metre, self.highest_metre) = (None, None);
@@ -183,6 +243,37 @@ impl Sidecar {
         warn(format!("the extent, the heights and vertical_exaggeration were ignored: {allowed}"));
         (self.extent_metres, self.metres_per_sample) = (None, None);
         (self.lowest_metre, self.highest_metre) = (None, None);
+    }
+
+    /// Makes the extent and the step, which are those of the whole file, those of the part that was taken.
+    pub(super) fn of_part(&mut self, taken: &Taken) {
+        let factor = f64::from(taken.factor);
+        let size = taken.size();
+        self.metres_per_sample = self.metres_per_sample.map(|step| step * factor);
+        self.extent_metres = self.extent_metres.map(|extent| {
+            [0, 1].map(|axis| {
+                let cells = |count: u32| f64::from(count.max(2) - 1);
+                extent[axis] * factor * cells(size[axis]) / cells(taken.full[axis])
+            })
+        });
+    }
+
+    /// Where the map lies, as far as `origin`, `step` and `crs` say.
+    pub(super) fn georeference(&self) -> Option<Georeference> {
+        let place = Georeference::new(self.origin?, self.step?);
+        let place = Georeference { pixel: self.pixel_is.unwrap_or_default(), ..place };
+        Some(self.with_system(place))
+    }
+
+    /// The place in the reference system that `crs` and `crs_unit` say.
+    pub(super) fn with_system(&self, place: Georeference) -> Georeference {
+        let unit = self.crs_unit.map(UnitText::unit);
+        let place = Georeference { unit: unit.or(place.unit), ..place };
+        let place = match &self.crs {
+            Some(crs) => place.with_crs(crs),
+            None => place,
+        };
+        Georeference { unit: unit.or(place.unit), ..place }
     }
 
     /// The heights that the lowest and highest sample stand for, metres.

@@ -20,6 +20,9 @@ const FLOAT_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32Float;
 /// Format of heights and maxima that 16 bits hold.
 const UNITS_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R16Unorm;
 
+/// What stands in the texture of heights where the map has a hole.
+const HOLE: f32 = -1.0;
+
 /// Bytes handed to the driver in one go, so that a large map needs no second copy of itself in staging memory.
 const UPLOAD_BYTES: usize = 32 << 20;
 
@@ -59,7 +62,8 @@ struct Layer {
 impl Ground {
     pub(super) fn new(gpu: &Gpu, terrain: EditedTerrain) -> Self {
         let map = terrain.base();
-        let units = map.units().filter(|_| gpu.capabilities.unorm16);
+        // Whole numbers have none to spare for a hole.
+        let units = map.units().filter(|_| gpu.capabilities.unorm16 && map.holes().is_none());
         let format = if units.is_some() { UNITS_FORMAT } else { FLOAT_FORMAT };
         let heights = empty_texture(gpu, "heights", [map.width(), map.height()], format);
         let mut ground = Self {
@@ -177,6 +181,11 @@ impl Ground {
         self.layer.as_ref().map(|layer| (&layer.texture.view, layer.size.map(|side| side - 1), layer.rise))
     }
 
+    /// Whether the map has holes. No edit makes or fills one.
+    pub(super) fn has_holes(&self) -> bool {
+        self.terrain.base().holes().is_some()
+    }
+
     /// The coarsest level of the pyramid that the walk uses.
     fn top_level(&self) -> u32 {
         let levels = self.terrain.pyramid().levels();
@@ -225,7 +234,30 @@ impl Ground {
     fn upload_heights(&mut self, gpu: &Gpu) {
         let field = self.resident();
         let all = SampleRect { x: 0, y: 0, width: field.width(), height: field.height() };
-        self.uploaded += self.upload(gpu, &self.heights, [0, 0], field.samples(), field.width(), all);
+        self.uploaded += self.upload_samples(gpu, field, all);
+    }
+
+    /// Copies the samples `rect` of `field` into the texture of heights.
+    fn upload_samples(&self, gpu: &Gpu, field: &HeightField, rect: SampleRect) -> u64 {
+        let Some(holes) = field.holes() else {
+            return self.upload(gpu, &self.heights, [0, 0], field.samples(), field.width(), rect);
+        };
+        let mut bytes = 0;
+        for piece in pieces(rect, size_of::<f32>()) {
+            let mut marked = vec![0f32; rect.width as usize * piece.height as usize];
+            marked.par_chunks_mut(rect.width as usize).enumerate().for_each(|(row, marked)| {
+                let first = (piece.y as usize + row) * field.width() as usize + rect.x as usize;
+                for ((offset, marked), &height) in marked.iter_mut().enumerate().zip(&field.samples()[first..]) {
+                    *marked = if holes.contains(first + offset) { HOLE } else { height };
+                }
+            });
+            let all = SampleRect { x: 0, y: 0, ..piece };
+            bytes += upload(gpu, &self.heights.texture, [piece.x, piece.y], &marked, rect.width, all);
+            if piece.y + piece.height < rect.y + rect.height {
+                give_staging_back(gpu);
+            }
+        }
+        bytes
     }
 
     /// Copies `rect` of a grid of heights into a texture of [`Self::units`]; see [`upload`].
@@ -241,11 +273,8 @@ impl Ground {
         let Some(units) = self.units.map(f32::from) else {
             return upload(gpu, texture, place, heights, stride, rect);
         };
-        // Some rows at a time, so that a large map needs no second copy of itself.
-        let rows_at_once = (UPLOAD_BYTES / (rect.width as usize * size_of::<u16>())).max(1) as u32;
         let (end, mut bytes) = (rect.y + rect.height, 0);
-        for y in (rect.y..end).step_by(rows_at_once as usize) {
-            let height = rows_at_once.min(end - y);
+        for SampleRect { y, height, .. } in pieces(rect, size_of::<u16>()) {
             let mut whole = vec![0u16; rect.width as usize * height as usize];
             whole.par_chunks_mut(rect.width as usize).enumerate().for_each(|(row, whole)| {
                 let first = (y as usize + row) * stride as usize + rect.x as usize;
@@ -264,7 +293,7 @@ impl Ground {
 
     fn upload_edit(&mut self, gpu: &Gpu, edit: &Edit) {
         let field = self.terrain.field();
-        let mut uploaded = self.upload(gpu, &self.heights, [0, 0], field.samples(), field.width(), edit.samples);
+        let mut uploaded = self.upload_samples(gpu, field, edit.samples);
         if let Some(texture) = &self.pyramid {
             let levels = self.terrain.pyramid().levels();
             for &NodeRect { level, x, y, width, height } in &edit.nodes {
@@ -330,6 +359,14 @@ pub(super) fn empty_texture(gpu: &Gpu, label: &str, size: [u32; 2], format: wgpu
     });
     let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
     Texture { texture, view }
+}
+
+/// Some rows at a time of `rect`, of so many bytes a sample, so that a large map needs no second copy of itself.
+fn pieces(rect: SampleRect, sample_bytes: usize) -> impl Iterator<Item = SampleRect> {
+    let rows_at_once = (UPLOAD_BYTES / (rect.width as usize * sample_bytes).max(1)).max(1) as u32;
+    let end = rect.y + rect.height;
+    let piece = move |y| SampleRect { y, height: rows_at_once.min(end - y), ..rect };
+    (rect.y..end).step_by(rows_at_once as usize).map(piece)
 }
 
 /// Staging memory is only given back with a submission.

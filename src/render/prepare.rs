@@ -16,6 +16,7 @@ use super::cones::ConeGround;
 use super::cube::{as_f32, clip_corners, in_view};
 use super::distances::ExactDistances;
 use super::frame::FrameUniform;
+use super::ground::Ground;
 use super::pipelines::{Built, PipelineKey};
 use super::skybox::Skybox;
 use super::split::{Area, Side, sides};
@@ -74,12 +75,15 @@ impl Renderer {
         scene_file::validate(scene)?;
         let view = self.view(scene, size);
         let probe = matches!(aim, Aim::Probe);
-        let terrains = terrains(scene, size, aim, view.deep);
+        let over_holes = self.ground.as_ref().is_some_and(Ground::has_holes);
+        let over_holes = |key: TerrainKey| key.over_holes(over_holes);
+        let terrains: Vec<_> =
+            terrains(scene, size, aim, view.deep).into_iter().map(|(side, key)| (side, over_holes(key))).collect();
         if !probe {
             self.prepare_drape(scene, terrains.iter().any(|(_, key)| key.diffuse))?;
             self.prepare_skybox(scene)?;
         }
-        let exact = self.prepare_exact(scene, &view, size, probe).map(|key| key.in_a_deep_zoom(view.deep));
+        let exact = self.prepare_exact(scene, &view, size, probe).map(|key| over_holes(key.in_a_deep_zoom(view.deep)));
         let whole = Area::whole(size);
         let beamed = terrains.iter().map(|(side, key)| (side.area, *key)).chain(exact.map(|key| (whole, key)));
         let beamed = beamed.filter(|(_, key)| key.needs_pyramid()).map(|(area, _)| area).reduce(Area::union);
@@ -283,7 +287,7 @@ impl Renderer {
         if !in_view(&view.box_clip) {
             return Ok(None);
         }
-        let units = ground.terrain().base().units();
+        let units = ground.units();
         if key.filters_heights() && !self.gpu.capabilities.filters_heights(units, key.layered) {
             return Err(RenderError::Unsupported {
                 what: "hardware-linear filtering of these heights",

@@ -26,6 +26,8 @@ pub(super) struct TerrainKey {
     pub(super) layered: bool,
     /// Hits are read from a texture of distances, and no ray is cast.
     pub(super) given: bool,
+    /// The map has holes, and what the pass does may meet one.
+    pub(super) holes: bool,
     /// Rays are counted from an anchor at the visible ground (`anchor.rs`).
     pub(super) deep: bool,
     pub(super) output: Output,
@@ -53,6 +55,7 @@ impl TerrainKey {
             diffuse: shaded && scene.diffuse.enabled,
             layered: scene.craters.mode == CraterMode::Layered && !scene.craters.list.is_empty(),
             given: false,
+            holes: false,
             deep: false,
             output,
         };
@@ -84,6 +87,11 @@ impl TerrainKey {
     /// has: the others are wrong by more than that, and what is given as an f32 distance has lost it already.
     pub(super) fn in_a_deep_zoom(self, deep: bool) -> Self {
         Self { deep: deep && self.needs_pyramid(), ..self }
+    }
+
+    /// The same over a map with holes, or without.
+    pub(super) fn over_holes(self, holes: bool) -> Self {
+        Self { holes: holes && self.reads_heights(), ..self }
     }
 
     /// Whether the pass finds out where the ground is.
@@ -136,6 +144,7 @@ impl TerrainKey {
             diffuse: false,
             layered: false,
             given: false,
+            holes: false,
             deep: false,
             output: Output::View(DebugView::Position),
         }
@@ -167,10 +176,11 @@ impl TerrainKey {
                 }
                 let key = Self::of(&scene, bit(6));
                 let exact = Self::of_exact_distances(&scene);
-                keys.extend([key, exact, key.in_a_deep_zoom(true), exact.in_a_deep_zoom(true)]);
+                let mut found = vec![key, exact, key.in_a_deep_zoom(true), exact.in_a_deep_zoom(true)];
                 if !bit(6) {
-                    keys.insert(key.with_given_distances());
+                    found.push(key.with_given_distances());
                 }
+                keys.extend(found.into_iter().flat_map(|key| [key, key.over_holes(true)]));
             }
         }
         keys.into_iter().collect()
@@ -184,6 +194,7 @@ impl TerrainKey {
             (self.filter == HeightFilter::Nearest, "FILTER_NEAREST"),
             (self.needs_pyramid(), "BEAM"),
             (self.deep, "DEEP_ZOOM"),
+            (self.holes, "HOLES"),
             (self.steps_by_angle, "STEPS_BY_ANGLE"),
             (self.lower_start, "LOWER_START"),
             (self.discard_misses, "DISCARD_MISSES"),

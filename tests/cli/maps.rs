@@ -54,7 +54,7 @@ fn not_a_png() {
     let bench = Bench::new();
     bench.write("notes.png", "these are only words, a good deal of them, and no picture at all\n");
     let run = bench.relief("info notes.png");
-    run.expect(3, &["notes.png", "not a PNG", "text", "convert"]).says_what_why_and_what_to_do();
+    run.expect(3, &["notes.png", "looks like a text file", "convert"]).says_what_why_and_what_to_do();
 }
 
 #[test]
@@ -85,6 +85,9 @@ fn larger_than_the_adapter_allows() {
     let run = bench.relief("render wide.png -o out.png --size 8x8");
     run.expect(3, &["relief: error: ", "32768×2", "adapter", "reduce"]);
     assert_eq!(bench.names(), ["wide.png"]);
+    bench.map("fits.png", 32768, 8);
+    let run = bench.relief("render fits.png -o out.png --size 8x8");
+    run.expect(0, &["relief: warning: fits.png: its 32768×8 samples are more than", "mean of", "--window"]);
 }
 
 #[test]

@@ -10,7 +10,7 @@ fn every_command_and_option_of_the_readme_is_in_the_help() {
     let bench = Bench::new();
     let readme = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("README.md")).unwrap();
     let section = readme.split("\n## ").find(|section| section.starts_with("Command line")).unwrap();
-    let commands = ["view", "render", "report", "stress", "info", "generate", "completions"];
+    let commands = ["view", "render", "report", "stress", "info", "convert", "generate", "completions"];
     let mut help = bench.relief("--help").stdout;
     for command in commands {
         assert!(help.contains(command), "{command} is missing in --help");

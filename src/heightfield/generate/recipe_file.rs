@@ -96,6 +96,10 @@ pub fn sidecar_text(path: &Path, existing: Option<&str>, recipe: &Recipe) -> Res
         return Ok(existing.to_owned());
     }
     let in_the_way = || RecipeFileError::InTheWay { path: path.to_path_buf() };
+    let table: toml::Table = toml::from_str(existing).map_err(|_| in_the_way())?;
+    if !table.keys().all(|key| Sidecar::KEYS.contains(&key.as_str())) {
+        return Err(in_the_way());
+    }
     let mut sidecar: Sidecar = toml::from_str(existing).map_err(|_| in_the_way())?;
     let kept = match sidecar.recipe.take() {
         None => existing.to_owned(),
