@@ -57,7 +57,8 @@ fn march(ray: Segment) -> Hit {
     let per_height = select(0.0, (1.0 - SHORT) / ray.direction.y, falling);
     // Heights on the ray as the pyramid's texture holds them, and less than they are by more than their rounding: a ray so
     // little above a node's highest ground counts as having met it.
-    let per_unit = 1.0 / terrain.height_unit;
+    // A box without height has no unit. Any number does: all its ground is met where the rays come in.
+    let per_unit = 1.0 / max(terrain.height_unit, 1.0 / RECIPROCAL_OF_ZERO);
     let slack = SHORT * (2.0 * abs(ray.origin.y) + terrain.size.y);
     let origin_stored = (ray.origin.y - slack - terrain.layer_rise) * per_unit;
     let slope_stored = ray.direction.y * per_unit;

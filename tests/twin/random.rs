@@ -79,7 +79,9 @@ impl Case {
         let map = Arc::new(self.map());
         renderer.set_terrain(Arc::clone(&map)).unwrap();
         let extent = map.box_size(Some(self.scale));
-        let (eye, target) = (DVec3::from(self.eye) * extent, DVec3::from(self.target) * extent);
+        // Flat ground is to be seen from above and from below, too.
+        let reach = DVec3 { y: if self.scale == 0.0 { 1.0 } else { extent.y }, ..extent };
+        let (eye, target) = (DVec3::from(self.eye) * reach, DVec3::from(self.target) * extent);
         let camera = Camera::look_at(eye, target, self.fov);
         let mut scene = Scene { camera: Some(camera), ..Scene::default() };
         scene.terrain.height_scale = Some(self.scale);
@@ -94,12 +96,12 @@ impl Case {
         Ok(judged)
     }
 
-    /// Whether the eye is as near to the ground as the rounding of a height: all its rays are in the band. Where the
-    /// height scale is 0, all that is over the map is.
+    /// Whether the eye is as near to the ground as the rounding of a height: all its rays are in the band.
     fn eye_is_on_the_ground(&self) -> bool {
         let [x, y, z] = self.eye;
         let over_map = (0.0..=1.0).contains(&x) && (0.0..=1.0).contains(&z);
-        over_map && (self.scale == 0.0 || (y - self.map().surface_height(x, z)).abs() < 1e-6)
+        let ground = if self.scale == 0.0 { 0.0 } else { self.map().surface_height(x, z) };
+        over_map && (y - ground).abs() < 1e-6
     }
 }
 
@@ -111,6 +113,15 @@ fn from_below_ground_on_the_floor_is_met() {
         Case { size: (12, 2), kind: 1, seed: 209_756_095, scale: 0.066_893_264_036_376_91, eye, target, fov: 20.0 };
     let judged = case.judge(&mut Renderer::new(gpu()).unwrap()).unwrap();
     assert!(judged.hits > 0);
+}
+
+/// A box without height has no unit of height either, and a ray from below must still meet its ground.
+#[test]
+fn flat_ground_is_met_from_below() {
+    let (eye, target) = ([0.3, -0.5, 0.3], [0.5, 0.0, 0.5]);
+    let case = Case { size: (9, 9), kind: 0, seed: 1, scale: 0.0, eye, target, fov: 60.0 };
+    let judged = case.judge(&mut Renderer::new(gpu()).unwrap()).unwrap();
+    assert!(judged.hits > 1000, "{judged:?}");
 }
 
 /// Seen from afar the outline of the drawn box was within a sixteenth of a pixel of the terrain's, and a rasteriser that
