@@ -6,14 +6,14 @@ use serde::Serialize;
 
 use super::plot::{Axis, PlotError, label, polyline, rasterise, text};
 
-const WIDTH: f64 = 1200.0;
+const WIDTH: f64 = 1560.0;
 const HEIGHT: f64 = 560.0;
 const SCALE: f32 = 1.5;
 const TOP: f64 = 84.0;
 const BOTTOM: f64 = 490.0;
 const LEFT: f64 = 80.0;
 const PANEL: f64 = 420.0;
-const STEP: f64 = 590.0;
+const STEP: f64 = 770.0;
 const MARGIN: f64 = 24.0;
 
 /// Five colours that differ in hue and in lightness (Okabe & Ito 2008), for curves with a name each.
