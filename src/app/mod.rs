@@ -14,9 +14,11 @@
 //! | `measure`, `tradeoff` | frame times and steps per ray; error against time of the techniques |
 //! | `errors` | what the viewer does with those of techniques |
 //! | `reference`, `cones` | the f64 reference of the error view, and cone maps, on threads of their own |
+//! | `compiling` | pipelines, on a thread of their own, and what draws meanwhile |
 //! | `loading`, `screenshot`, `status`, `watch` | files: maps, pictures, state for automated tests, shaders |
 
 mod commands;
+mod compiling;
 mod cones;
 mod controls;
 mod errors;
