@@ -369,15 +369,15 @@ fn pipelines_are_built_on_first_use_and_kept() {
     let mut dark = start();
     dark.lighting.enabled = false;
     assert_eq!(frame(&mut renderer, &lit).pipelines.len(), 4, "two beams, terrain and skybox");
-    assert_eq!(frame(&mut renderer, &dark).pipelines.len(), 4);
-    assert_eq!(frame(&mut renderer, &lit).pipelines.len(), 4, "back to one that is there");
+    assert_eq!(frame(&mut renderer, &dark).pipelines.len(), 5, "another terrain");
+    assert_eq!(frame(&mut renderer, &lit).pipelines.len(), 5, "back to one that is there");
     // Numbers are not compiled in, and neither is what the technique does not use.
     lit.lighting.ambient = 0.5;
     lit.march.samples_max = 100;
     lit.march.steps_by_angle = false;
     lit.terrain.height_scale = Some(0.3);
     lit.craters.list = vec![Crater { x: 0.5, z: 0.5, radius: 0.1, depth: 0.1, rim: 0.0 }];
-    assert_eq!(frame(&mut renderer, &lit).pipelines.len(), 4);
+    assert_eq!(frame(&mut renderer, &lit).pipelines.len(), 5);
 }
 
 /// The exact distances that the error view compares with cost a pass and a texture, and only that view has them.

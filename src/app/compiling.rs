@@ -258,7 +258,7 @@ impl Viewer {
             // It is said in the next frame.
             Ok(true) => self.redraw.invalidate(),
             Err(error) => {
-                self.not_compiled(&no_compiler(&format!("no thread to compile on: {error}; close some programs")))
+                self.not_compiled(&no_compiler(&format!("no thread to compile on: {error}; close some programs")));
             }
         }
     }

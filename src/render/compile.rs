@@ -283,7 +283,8 @@ mod tests {
             renderer.draw(&scene, &target).unwrap();
             assert_eq!(renderer.pipelines.names(), before, "{scene:?}");
         }
-        let probed = Scene::default();
+        let mut probed = Scene::default();
+        probed.march.technique = Technique::Secant;
         let missing = renderer.missing_pipelines(&probed, [20, 15], true).expect("a probe has its own");
         renderer.set_compiled(missing.build(&|| true).unwrap());
         let before = renderer.pipelines.names();
