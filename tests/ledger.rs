@@ -148,6 +148,53 @@ fn the_defaults_cost_what_they_show() {
     assert_eq!((again.scene_frames, again.pipelines), (2, ledger.pipelines));
 }
 
+/// A change of the panel alone shows the kept picture again, and draws, uploads and builds nothing else.
+#[test]
+fn the_kept_picture_is_shown_without_drawing_the_scene() {
+    let (gpu, mut renderer) = (gpu(), renderer(&canyon()));
+    let target = Target::new(&gpu, SIZE);
+    renderer.draw(&start(), &target).unwrap();
+    let drawn = renderer.ledger().clone();
+    let format = wgpu::TextureFormat::Rgba8Unorm;
+    let window = gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("window"),
+        size: wgpu::Extent3d { width: SIZE[0], height: SIZE[1], depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
+        view_formats: &[],
+    });
+    let view = window.create_view(&wgpu::TextureViewDescriptor::default());
+    for panel in [7, 5, 5] {
+        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let mut pass = encoder
+            .begin_render_pass(&wgpu::RenderPassDescriptor {
+                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                    view: &view,
+                    depth_slice: None,
+                    resolve_target: None,
+                    ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::RED), store: wgpu::StoreOp::Store },
+                })],
+                ..Default::default()
+            })
+            .forget_lifetime();
+        renderer.present(&mut pass, format, &target).unwrap();
+        drop(pass);
+        renderer.note_pass("egui", panel);
+        gpu.queue.submit([encoder.finish()]);
+        let ledger = renderer.ledger();
+        let passes: Vec<_> = drawn.passes.iter().map(String::as_str).chain(["present", "egui"]).collect();
+        assert_eq!(ledger.passes, passes, "each is listed once, however often it is shown");
+        assert_eq!(ledger.draws, drawn.draws + 1 + panel);
+        assert_eq!((ledger.scene_frames, ledger.uploaded_bytes), (drawn.scene_frames, drawn.uploaded_bytes));
+        assert_eq!((&ledger.textures, &ledger.pipelines), (&drawn.textures, &drawn.pipelines));
+    }
+    let shown = relief::gpu::read_texture(&gpu, &window).unwrap();
+    assert_eq!(shown, target.read_color(&gpu).unwrap().into_raw(), "and it is that picture");
+}
+
 #[test]
 fn baked_craters_cost_their_own_samples_once() {
     let mut renderer = renderer(&canyon());
@@ -322,7 +369,7 @@ fn pipelines_are_built_on_first_use_and_kept() {
     let mut dark = start();
     dark.lighting.enabled = false;
     assert_eq!(frame(&mut renderer, &lit).pipelines.len(), 4, "two beams, terrain and skybox");
-    assert_eq!(frame(&mut renderer, &dark).pipelines.len(), 5);
+    assert_eq!(frame(&mut renderer, &dark).pipelines.len(), 5, "another terrain");
     assert_eq!(frame(&mut renderer, &lit).pipelines.len(), 5, "back to one that is there");
     // Numbers are not compiled in, and neither is what the technique does not use.
     lit.lighting.ambient = 0.5;

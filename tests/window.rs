@@ -10,6 +10,9 @@ mod harness;
 
 #[path = "window/compare.rs"]
 mod compare;
+#[cfg(debug_assertions)]
+#[path = "window/compiling.rs"]
+mod compiling;
 #[path = "window/cones.rs"]
 mod cones;
 #[path = "window/craters.rs"]

@@ -8,7 +8,7 @@ use super::frame::FrameError;
 use super::graphics::Graphics;
 use super::screenshot;
 use super::settings::Command;
-use super::viewer::Viewer;
+use super::viewer::{Viewer, scene_of_picture};
 use super::window::UserEvent;
 use crate::gpu::Target;
 
@@ -58,13 +58,10 @@ impl Viewer {
             }
         };
         let (folder, proxy) = (self.screenshots.clone(), self.proxy.clone());
-        // What the picture shows, not what a key has changed since.
-        let mut scene = self.last_good.clone().unwrap_or_else(|| self.scene.clone());
-        if let Some(drawn) = &self.drawn {
-            // Nor a technique whose cones are still being found.
-            scene.march.technique = drawn.march.technique;
-            scene.compare.technique = drawn.compare.technique;
-        }
+        // What the picture shows: not what a key has changed since, nor a technique that still has to be compiled or whose
+        // cones are being found.
+        let scene =
+            self.drawn.as_ref().map_or_else(|| self.scene.clone(), |drawn| scene_of_picture(drawn, &self.scene));
         self.saving = true;
         let write = move || {
             let result = screenshot::save(&folder, &picture, &scene).map_err(|error| error.to_string());

@@ -104,7 +104,7 @@ impl ConeFinder {
 }
 
 /// Calls when it goes, also where the work before it panics: the window has to hear of that, too.
-struct CallOnDrop<F: FnOnce()>(Option<F>);
+pub(crate) struct CallOnDrop<F: FnOnce()>(pub(crate) Option<F>);
 
 impl<F: FnOnce()> Drop for CallOnDrop<F> {
     fn drop(&mut self) {
@@ -168,11 +168,6 @@ pub(crate) fn drawable(scene: &Scene, renderer: &Renderer) -> Scene {
 }
 
 impl Viewer {
-    /// The scene as the next frame draws it.
-    pub(super) fn drawable(&self, graphics: &Graphics) -> Scene {
-        drawable(&self.scene, &graphics.renderer)
-    }
-
     /// Finds the cones that the scene needs, and then those of the techniques to be measured; hands the renderer what was
     /// found. Whatever is not wanted any more is cancelled.
     pub(super) fn follow_cones(&mut self, graphics: &mut Graphics) {

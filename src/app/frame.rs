@@ -20,6 +20,9 @@ const CONES_PAUSE: Duration = Duration::from_millis(200);
 /// How long to wait for a surface that is not ready.
 const SURFACE_PAUSE: Duration = Duration::from_millis(30);
 
+/// How often it is looked whether the window is minimised still, while there is something to draw.
+const MINIMISED_PAUSE: Duration = Duration::from_millis(250);
+
 /// A spinning occluder jumps no further than this after a stall.
 const LONGEST_SPIN: Duration = Duration::from_millis(250);
 
@@ -41,6 +44,12 @@ impl Viewer {
         now: Instant,
     ) -> Result<(), FrameError> {
         let size: [u32; 2] = self.window.inner_size().into();
+        // Not every window system tells when a window is minimised (X11 does not), and none when it will not be any more.
+        self.minimised_until = (self.window.is_minimized() == Some(true)).then(|| now + MINIMISED_PAUSE);
+        if self.minimised_until.is_some() {
+            self.redraw.invalidate();
+            return Ok(());
+        }
         self.redraw.begin_frame(now);
         if size.contains(&0) {
             return Ok(());
@@ -72,6 +81,7 @@ impl Viewer {
         match shown {
             Shown::Yes => {
                 self.frames += 1;
+                self.compiler.frame_was_shown();
                 self.unreported();
             }
             Shown::Later => self.redraw.wake_at(now + SURFACE_PAUSE),
@@ -207,11 +217,15 @@ impl Viewer {
 
     /// The line at the bottom of the picture, where there is something to say.
     fn bottom_line(&mut self, ctx: &egui::Context, drawable: &Scene, now: Instant) -> Option<egui::Rect> {
+        self.says = None;
         let (text, working) = if let Some(path) = self.loader.path() {
             let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
             (format!("Opening {name} …"), true)
         } else if !self.prepared {
             ("Preparing the first picture …".to_owned(), true)
+        } else if let Some(text) = self.compiling_in_words(drawable) {
+            self.compiler.announce();
+            (text, true)
         } else if let Some((text, _)) = &self.hint {
             (text.clone(), false)
         } else {
@@ -219,6 +233,7 @@ impl Viewer {
             self.redraw.wake_at(now + CONES_PAUSE);
             (text, true)
         };
+        self.says = Some(text.clone());
         Some(overlay::hint(ctx, self.free, &text, working))
     }
 
@@ -230,7 +245,7 @@ impl Viewer {
             self.redraw.invalidate();
             return Ok(());
         }
-        // What the panel has just changed may need other cones: no frame waits for them.
+        // What the panel has just changed may need other pipelines and cones: no frame waits for them.
         let drawable = self.drawable(graphics);
         let visible = visible_part(&drawable);
         if self.drawn.as_ref() == Some(&visible) {
@@ -244,7 +259,10 @@ impl Viewer {
                     // The legend on screen says the other.
                     self.redraw.invalidate();
                 }
-                self.last_good = Some(self.scene.clone());
+                if !self.stands_in(graphics, &drawable) {
+                    self.last_good = Some(self.scene.clone());
+                }
+                self.shown = Some(visible.clone());
                 self.occluder_seen = graphics.renderer.ledger().passes.iter().any(|pass| pass == "occluder");
                 let subject = Subject::of(&visible, graphics.renderer.ledger(), graphics.target.size());
                 self.meter.scene_was_drawn(subject, now);
@@ -273,7 +291,7 @@ impl Viewer {
 
 /// Takes back what made a scene impossible to draw: the image that cannot be used, or else everything but the camera
 /// since the last good picture. False when that changes nothing.
-fn put_back(scene: &mut Scene, good: Option<&Scene>, error: &RenderError) -> bool {
+pub(super) fn put_back(scene: &mut Scene, good: Option<&Scene>, error: &RenderError) -> bool {
     let before = scene.clone();
     if let RenderError::Image { path, .. } = error {
         let is_diffuse = scene.diffuse.file.as_ref() == Some(path);

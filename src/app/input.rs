@@ -41,8 +41,14 @@ impl Viewer {
             self.redraw.invalidate();
         }
         match event {
-            WindowEvent::Occluded(hidden) => self.hidden = *hidden,
-            WindowEvent::Resized(_) => self.hidden = false,
+            // What was drawn last may be lost meanwhile: it is shown again.
+            WindowEvent::Occluded(false) => {
+                (self.covered, self.hidden, self.minimised_until) = (false, false, None);
+                self.redraw.invalidate();
+            }
+            WindowEvent::Occluded(true) => self.covered = true,
+            WindowEvent::Resized(_) => (self.hidden, self.minimised_until) = (false, None),
+            WindowEvent::Focused(true) => self.minimised_until = None,
             WindowEvent::ScaleFactorChanged { scale_factor, inner_size_writer } => {
                 self.hidden = false;
                 if !self.scale.tell(*scale_factor, self.window.scale_factor()) {

@@ -18,6 +18,11 @@ const TIME_PATIENCE: Duration = Duration::from_secs(10);
 /// Least time between two measurements of steps per ray.
 const STEPS_PAUSE: Duration = Duration::from_millis(500);
 
+/// Size of what steps are measured on, for a picture of `size` pixels: a quarter of it.
+pub(crate) fn probed_size(size: [u32; 2]) -> [u32; 2] {
+    size.map(|side| (side / 4).max(1))
+}
+
 /// Steps per ray: mean and maximum.
 pub(crate) type Steps = (f64, u32);
 
@@ -156,7 +161,7 @@ impl Meter {
             return Ok(false);
         }
         (self.steps_stale, self.steps_measured) = (false, Some(now));
-        self.steps = Some(renderer.probe(scene, size.map(|side| (side / 4).max(1)))?.step_stats());
+        self.steps = Some(renderer.probe(scene, probed_size(size))?.step_stats());
         Ok(true)
     }
 }

@@ -2,6 +2,10 @@
 //!
 //! Only this part of the house knows winit and egui. [`run`] opens the window; everything else is private:
 //!
+//! A window that nobody sees draws nothing, as far as one is told: X11 (without a compositor), macOS and iOS tell that a
+//! window is covered, X11 with a window manager, Windows and macOS that it is minimised. Wayland tells neither, but asks an
+//! unseen window for no frames; what lies under a compositor's windows on X11, or under others on Windows, is drawn.
+//!
 //! | file | what it holds |
 //! |---|---|
 //! | `window` | the event loop: what the window system sends, and when it is asked to come back |
@@ -14,9 +18,11 @@
 //! | `measure`, `tradeoff` | frame times and steps per ray; error against time of the techniques |
 //! | `errors` | what the viewer does with those of techniques |
 //! | `reference`, `cones` | the f64 reference of the error view, and cone maps, on threads of their own |
+//! | `compiling` | pipelines, on a thread of their own, and what draws meanwhile |
 //! | `loading`, `screenshot`, `status`, `watch` | files: maps, pictures, state for automated tests, shaders |
 
 mod commands;
+mod compiling;
 mod cones;
 mod controls;
 mod errors;

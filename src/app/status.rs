@@ -54,10 +54,14 @@ pub(crate) struct Status<'a> {
     pub(crate) drawn_by: Option<Technique>,
     /// The share of a map of cones that is found, 0 to 1, while one is being sought.
     pub(crate) finding_cones: Option<f32>,
+    /// Pipelines are being compiled.
+    pub(crate) compiling: bool,
     /// Error against time of the techniques: how many settings were measured.
     pub(crate) tradeoff: usize,
     /// Steps per ray: mean and maximum, where they are measured.
     pub(crate) steps: Option<(f64, u32)>,
+    /// The line at the bottom of the last frame's picture: the hint, or what is being waited for.
+    pub(crate) says: Option<&'a str>,
     /// The line of text over the picture, while it shows.
     pub(crate) hint: Option<&'a str>,
     /// The last messages, oldest first.
@@ -200,8 +204,10 @@ impl Viewer {
             reference: self.shows_reference,
             drawn_by: self.drawn.as_ref().map(|drawn| drawn.march.technique),
             finding_cones: self.cones.progress(),
+            compiling: self.compiler.is_busy(),
             tradeoff: self.tradeoff.results().len(),
             steps: self.steps(),
+            says: self.says.as_deref(),
             hint: self.hint.as_ref().map(|(text, _)| text.as_str()),
             toasts: self.toasts.history().collect(),
             widgets: &self.widgets,
@@ -220,10 +226,12 @@ impl Viewer {
 
     /// Whether nothing changes and nothing is being waited for.
     fn is_idle(&self, now: Instant) -> bool {
-        let drawing = !self.hidden && (self.redraw.is_wanted() || self.fly.is_moving() || self.spins());
+        let seen = !self.is_unseen() && self.minimised_until.is_none();
+        let drawing = seen && (self.redraw.is_wanted() || self.moves());
         let measuring = self.meter.next(now, self.measures_steps()) != Next::Never
             || self.reference.is_busy()
             || self.cones.is_busy()
+            || self.compiler.is_busy()
             || self.tradeoff.progress().is_some();
         let working = self.saving || self.wants_screenshot || self.reload_at.is_some() || self.loader.path().is_some();
         !(drawing || measuring || working)
@@ -305,8 +313,10 @@ mod tests {
                 reference: false,
                 drawn_by: Some(Technique::MaxMipmap),
                 finding_cones: None,
+                compiling: false,
                 tradeoff: 0,
                 steps: None,
+                says: None,
                 hint: None,
                 toasts: vec!["hello"],
                 widgets: &[],

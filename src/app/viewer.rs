@@ -9,6 +9,7 @@ use winit::event_loop::{ActiveEventLoop, EventLoopProxy};
 use winit::keyboard::ModifiersState;
 use winit::window::Window;
 
+use super::compiling::Compiler;
 use super::cones::ConeFinder;
 use super::controls::{Fly, ground_below};
 use super::frame::FrameError;
@@ -69,15 +70,20 @@ pub(crate) struct Viewer {
     pub(super) meter: Meter,
     pub(super) reference: ReferenceWorker,
     pub(super) cones: ConeFinder,
+    pub(super) compiler: Compiler,
     /// The picture on screen is compared with the f64 reference.
     pub(super) shows_reference: bool,
     pub(super) tradeoff: Tradeoff,
+    /// The line at the bottom of the last frame's picture.
+    pub(super) says: Option<String>,
     /// A line of text over the picture until a moment.
     pub(super) hint: Option<(String, Instant)>,
     /// The part of the window that the panel leaves free, points.
     pub(super) free: egui::Rect,
     /// What the kept picture shows.
     pub(super) drawn: Option<Scene>,
+    /// What the last picture of this terrain and this device showed, be it kept or not.
+    pub(super) shown: Option<Scene>,
     /// The last scene that was drawn without an error.
     pub(super) last_good: Option<Scene>,
     /// "Preparing" has been on screen, so the first picture may take its time.
@@ -86,8 +92,12 @@ pub(crate) struct Viewer {
     pub(super) occluder_seen: bool,
     /// The last turn of the occluder, while it spins.
     pub(super) spun: Option<Instant>,
-    /// The window is covered.
+    /// The window is covered, as the window system says.
+    pub(super) covered: bool,
+    /// The surface has nothing to draw to, because nobody would see it.
     pub(super) hidden: bool,
+    /// The window is minimised; when to look again, where nobody tells.
+    pub(super) minimised_until: Option<Instant>,
     pub(super) frames: u64,
     pub(super) wants_screenshot: bool,
     /// The user wants to leave.
@@ -146,16 +156,21 @@ impl Viewer {
             meter: Meter::default(),
             reference: ReferenceWorker::default(),
             cones: ConeFinder::default(),
+            compiler: Compiler::default(),
             shows_reference: false,
             tradeoff: Tradeoff::default(),
+            says: None,
             hint: None,
             free: egui::Rect::EVERYTHING,
             drawn: None,
+            shown: None,
             last_good: None,
             prepared: false,
             occluder_seen: false,
             spun: None,
+            covered: false,
             hidden: false,
+            minimised_until: None,
             frames: 0,
             wants_screenshot: false,
             quit: false,
@@ -214,19 +229,33 @@ impl Viewer {
     /// When the event loop has to come back.
     pub(crate) fn next(&self, now: Instant) -> Next {
         let size = self.window.inner_size();
-        let frame = if self.hidden || size.width == 0 || size.height == 0 {
+        let frame = if self.is_unseen() || size.width == 0 || size.height == 0 {
             Next::Never
         } else {
-            self.redraw.next(now, self.fly.is_moving() || self.spins(), self.view.frame_limit)
+            match (self.redraw.next(now, self.moves(), self.view.frame_limit), self.minimised_until) {
+                (Next::Never, _) => Next::Never,
+                (_, Some(until)) if until > now => Next::At(until),
+                (next, _) => next,
+            }
         };
         let reload = self.reload_at.map_or(Next::Never, Next::At);
         let tradeoff = if self.may_measure_tradeoff() { Next::At(now) } else { Next::Never };
         frame.or(reload).or(tradeoff).or(self.reference.next()).or(self.meter.next(now, self.measures_steps()))
     }
 
-    /// Whether steps per ray are wanted, and there is a picture to measure them for.
+    /// Whether nobody sees the window, as far as one is told: covered by others, or with no surface to draw to.
+    pub(super) fn is_unseen(&self) -> bool {
+        self.covered || self.hidden
+    }
+
+    /// Whether every frame shows another picture than the last.
+    pub(super) fn moves(&self) -> bool {
+        self.fly.is_moving() || self.spins()
+    }
+
+    /// Whether steps per ray are wanted, and there is a picture to measure them for. What is being compiled may be for them.
     pub(super) fn measures_steps(&self) -> bool {
-        self.view.measure_steps && self.drawn.is_some()
+        self.view.measure_steps && self.drawn.is_some() && !self.compiler.is_busy()
     }
 
     /// Whether the occluder turns. It rests while it is out of view: nobody would see it, and no frame is drawn.
@@ -256,6 +285,7 @@ impl Viewer {
             self.reload_shaders(graphics, now)?;
         }
         self.follow_cones(graphics);
+        self.follow_compiler(graphics);
         if self.measures_steps() {
             self.measure_steps(graphics, now)?;
         }
@@ -305,7 +335,7 @@ impl Viewer {
         self.scene.craters.list.clear();
         self.scene.occluder.position = None;
         self.scene.camera = Some(NamedView::Start.camera(&self.map, self.extent()));
-        (self.drawn, self.last_good) = (None, None);
+        (self.drawn, self.shown, self.last_good) = (None, None, None);
         self.facts = Facts::new(&self.map, opened.title, &graphics.gpu);
         self.view.paths = PathFields::of(&self.scene);
         self.window.set_title(&format!("Relief: {}", self.facts.title));
@@ -348,6 +378,8 @@ impl Viewer {
             UserEvent::Reference => {}
             // And the cones.
             UserEvent::Cones => {}
+            // And the pipelines.
+            UserEvent::Compiled => {}
             UserEvent::ShadersChanged => self.reload_at = Some(now + SHADER_PAUSE),
             UserEvent::Screenshot(result) => {
                 self.saving = false;
@@ -370,7 +402,10 @@ impl Viewer {
     pub(crate) fn recovered(&mut self, graphics: &Graphics, lost: &str) {
         let title = std::mem::take(&mut self.facts.title);
         self.facts = Facts::new(&self.map, title, &graphics.gpu);
-        (self.drawn, self.meter) = (None, Meter::default());
+        (self.drawn, self.shown, self.meter) = (None, None, Meter::default());
+        // The pipelines are gone with the device.
+        self.prepared = false;
+        self.compiler.forget();
         self.reference.forget();
         self.cones.forget();
         self.tradeoff.forget();
@@ -398,6 +433,15 @@ pub(super) fn visible_part(scene: &Scene) -> Scene {
     (scene.craters.radius, scene.craters.depth, scene.craters.rim) = (radius, depth, rim);
     scene.occluder.spin = 0.0;
     scene
+}
+
+/// The scene whose picture shows `visible`: what does not show is that of `scene`.
+pub(super) fn scene_of_picture(visible: &Scene, scene: &Scene) -> Scene {
+    let mut shown = visible.clone();
+    let CraterSettings { radius, depth, rim, .. } = scene.craters;
+    (shown.craters.radius, shown.craters.depth, shown.craters.rim) = (radius, depth, rim);
+    shown.occluder.spin = scene.occluder.spin;
+    shown
 }
 
 #[cfg(test)]
@@ -431,6 +475,7 @@ mod tests {
         scene.craters.radius = 0.2;
         scene.occluder.spin = 5.0;
         assert_eq!(visible_part(&scene), visible_part(&Scene::default()));
+        assert_eq!(scene_of_picture(&visible_part(&Scene::default()), &scene), scene);
         scene.craters.list.push(scene.craters.brush_at(0.5, 0.5));
         assert_ne!(visible_part(&scene), visible_part(&Scene::default()));
     }

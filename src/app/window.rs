@@ -32,6 +32,8 @@ pub(crate) enum UserEvent {
     Reference,
     /// Cones were found, or the search for them has ended otherwise.
     Cones,
+    /// Pipelines were compiled, or do not compile.
+    Compiled,
     /// A shader was saved.
     ShadersChanged,
     /// A screenshot was written, or could not be.

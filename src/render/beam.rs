@@ -1,7 +1,7 @@
 //! The beam passes: where the rays of each tile of pixels may start, for the technique that walks the pyramid. Coarse tiles
 //! first, then fine ones from where those stopped. Their shader is `beam.wgsl`.
 
-use std::rc::Rc;
+use std::sync::Arc;
 
 use crate::gpu::{Gpu, sized_texture};
 
@@ -76,7 +76,7 @@ pub(super) fn wgsl() -> String {
 /// A beam pass: pipeline and bind group.
 #[derive(Debug)]
 pub(super) struct BeamPass {
-    pub(super) built: Rc<Built>,
+    pub(super) built: Arc<Built>,
     pub(super) group: wgpu::BindGroup,
 }
 

@@ -71,7 +71,7 @@ pub(crate) fn ray_start(camera: &Camera, extent: DVec3) -> f64 {
 }
 
 /// The uniform buffer of bind group 0 and its layout.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct FrameBindings {
     pub(super) layout: wgpu::BindGroupLayout,
     pub(super) group: wgpu::BindGroup,

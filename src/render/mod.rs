@@ -7,6 +7,7 @@ mod anchor;
 #[cfg(test)]
 mod bad_numbers_tests;
 mod beam;
+mod compile;
 mod cones;
 mod cube;
 mod distances;
@@ -50,6 +51,7 @@ pub use probe::Probe;
 
 pub(crate) use anchor::Anchor;
 use beam::{Beams, Tiles};
+pub(crate) use compile::{Compilation, Compiled};
 use cube::Cube;
 use distances::ExactDistances;
 use drape::Drape;
@@ -330,6 +332,14 @@ impl Renderer {
     /// [`RenderError::Shader`] with the compiler's message.
     pub fn reload_shaders(&mut self) -> Result<(), RenderError> {
         Ok(self.pipelines.reload(&self.gpu, &self.frame.layout)?)
+    }
+
+    /// Takes pipelines that were compiled elsewhere. Those of another device, or of shaders that were read again since, are
+    /// of no use and not kept.
+    pub(crate) fn set_compiled(&mut self, compiled: Compiled) {
+        if let Some(built) = compiled.made_of(self.pipelines.sources()) {
+            self.pipelines.add(built);
+        }
     }
 
     /// Whether the device is still there and has not complained since the last call.

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 use std::hash::Hash;
-use std::rc::Rc;
+use std::sync::Arc;
 
 use crate::gpu::{COLOR_FORMAT, DEPTH_COMPARE, DEPTH_FORMAT, Gpu, PROBE_FORMAT, ShaderError, ShaderSources};
 
@@ -22,7 +22,7 @@ pub(super) enum PipelineKey {
 }
 
 impl PipelineKey {
-    fn describe(self) -> PassDescription {
+    pub(super) fn describe(self) -> PassDescription {
         match self {
             Self::Beam(tiles) => beam::describe(tiles),
             Self::Terrain(key) => terrain::describe(key),
@@ -95,13 +95,14 @@ pub(super) fn sources() -> ShaderSources {
 /// All pipelines alive.
 #[derive(Debug)]
 pub(super) struct Pipelines {
-    sources: ShaderSources,
-    built: HashMap<PipelineKey, Rc<Built>>,
+    /// Shared with what is compiled elsewhere: what was made of others is of no use.
+    sources: Arc<ShaderSources>,
+    built: HashMap<PipelineKey, Arc<Built>>,
 }
 
 impl Pipelines {
     pub(super) fn new() -> Self {
-        Self { sources: sources(), built: HashMap::new() }
+        Self { sources: Arc::new(sources()), built: HashMap::new() }
     }
 
     /// The pipeline of `key`, built if it is not there yet.
@@ -110,12 +111,12 @@ impl Pipelines {
         gpu: &Gpu,
         frame: &wgpu::BindGroupLayout,
         key: PipelineKey,
-    ) -> Result<Rc<Built>, ShaderError> {
+    ) -> Result<Arc<Built>, ShaderError> {
         if let Some(built) = self.built.get(&key) {
-            return Ok(Rc::clone(built));
+            return Ok(Arc::clone(built));
         }
-        let built = Rc::new(build(gpu, &self.sources, frame, key.describe())?);
-        self.built.insert(key, Rc::clone(&built));
+        let built = Arc::new(build(gpu, &self.sources, frame, key.describe())?);
+        self.built.insert(key, Arc::clone(&built));
         Ok(built)
     }
 
@@ -131,10 +132,27 @@ impl Pipelines {
         let rebuilt = self
             .built
             .keys()
-            .map(|&key| Ok((key, Rc::new(build(gpu, &sources, frame, key.describe())?))))
+            .map(|&key| Ok((key, Arc::new(build(gpu, &sources, frame, key.describe())?))))
             .collect::<Result<_, ShaderError>>()?;
-        (self.sources, self.built) = (sources, rebuilt);
+        (self.sources, self.built) = (Arc::new(sources), rebuilt);
         Ok(())
+    }
+
+    /// Whether the pipeline of `key` is there.
+    pub(super) fn has(&self, key: PipelineKey) -> bool {
+        self.built.contains_key(&key)
+    }
+
+    /// What pipelines are built of.
+    pub(super) fn sources(&self) -> &Arc<ShaderSources> {
+        &self.sources
+    }
+
+    /// Takes pipelines that were built elsewhere, of the sources in use now.
+    pub(super) fn add(&mut self, built: Vec<(PipelineKey, Arc<Built>)>) {
+        for (key, built) in built {
+            self.built.entry(key).or_insert(built);
+        }
     }
 
     /// Names of all pipelines alive, sorted.
@@ -145,7 +163,8 @@ impl Pipelines {
     }
 }
 
-fn build(
+/// Composes and builds a pipeline.
+pub(super) fn build(
     gpu: &Gpu,
     sources: &ShaderSources,
     frame: &wgpu::BindGroupLayout,

@@ -1,6 +1,5 @@
 //! From a scene to the draws of a frame: brings textures, pipelines and uniforms up to date.
 
-use std::rc::Rc;
 use std::sync::Arc;
 
 use glam::{DMat4, DVec3, DVec4};
@@ -12,6 +11,7 @@ use crate::scene_file;
 
 use super::anchor::{self, Anchor, AnchorUniform};
 use super::beam::{BeamPass, Beams, Tiles};
+use super::compile::Compilation;
 use super::cones::ConeGround;
 use super::cube::{as_f32, clip_corners, in_view};
 use super::distances::ExactDistances;
@@ -26,7 +26,7 @@ use super::{RenderError, Renderer, occluder, terrain, wireframe};
 /// One draw of the scene's render pass.
 pub(super) struct Draw {
     pub(super) name: &'static str,
-    pub(super) built: Rc<Built>,
+    pub(super) built: Arc<Built>,
     pub(super) group: wgpu::BindGroup,
     pub(super) edges: bool,
     /// The part of the picture that it draws.
@@ -204,6 +204,54 @@ impl Renderer {
         }
     }
 
+    /// What a frame of `scene` of `size` pixels, or a probe of it, would have to compile first; `None` where all is there,
+    /// and where there is no such frame. That is said by who draws it.
+    pub(crate) fn missing_pipelines(&self, scene: &Scene, size: [u32; 2], probe: bool) -> Option<Compilation> {
+        scene_file::validate(scene).ok()?;
+        let mut keys = self.pipelines_of(scene, size, probe)?;
+        keys.retain(|&key| !self.pipelines.has(key));
+        (!keys.is_empty()).then(|| Compilation::new(&self.gpu, self.pipelines.sources(), &self.frame, keys))
+    }
+
+    /// The pipelines of a frame, also of what is out of view: it may come into view any moment.
+    fn pipelines_of(&self, scene: &Scene, size: [u32; 2], probe: bool) -> Option<Vec<PipelineKey>> {
+        let mut keys = Vec::new();
+        if let Some(ground) = &self.ground {
+            let deep = self.view(scene, size).deep;
+            let aim = if probe { Aim::Probe } else { Aim::Picture };
+            let mut terrain: Vec<_> = terrains(scene, size, aim, deep).into_iter().map(|(_, key)| key).collect();
+            if scene.debug.view == DebugView::Error && !probe {
+                terrain.push(TerrainKey::of_exact_distances(scene).in_a_deep_zoom(deep));
+            }
+            for key in &mut terrain {
+                *key = key.over_holes(ground.has_holes());
+            }
+            if terrain.iter().any(|key| !self.reads(ground, key)) {
+                return None;
+            }
+            if terrain.iter().any(TerrainKey::needs_pyramid) {
+                keys.extend(Tiles::ALL.map(PipelineKey::Beam));
+            }
+            keys.extend(terrain.into_iter().map(PipelineKey::Terrain));
+            if scene.debug.wireframe && !probe {
+                keys.push(PipelineKey::Wireframe);
+            }
+            if scene.occluder.enabled {
+                keys.push(PipelineKey::Occluder { probe });
+            }
+        }
+        if scene.skybox.enabled && scene.debug.view != DebugView::Error && !probe {
+            keys.push(PipelineKey::Skybox);
+        }
+        Some(keys)
+    }
+
+    /// Whether the adapter can read the heights of `ground` the way that the pipeline does.
+    fn reads(&self, ground: &Ground, key: &TerrainKey) -> bool {
+        let units = ground.units();
+        !key.filters_heights() || self.gpu.capabilities.filters_heights(units, key.layered)
+    }
+
     pub(super) fn view(&self, scene: &Scene, size: [u32; 2]) -> View {
         let (camera, extent) = match &self.ground {
             Some(ground) => {
@@ -287,8 +335,7 @@ impl Renderer {
         if !in_view(&view.box_clip) {
             return Ok(None);
         }
-        let units = ground.units();
-        if key.filters_heights() && !self.gpu.capabilities.filters_heights(units, key.layered) {
+        if !self.reads(ground, &key) {
             return Err(RenderError::Unsupported {
                 what: "hardware-linear filtering of these heights",
                 needs: "the feature float32-filterable",

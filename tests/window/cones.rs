@@ -15,7 +15,8 @@ fn large_map(folder: &Path) -> String {
     map.display().to_string()
 }
 
-fn choose(window: &mut Window, what: &str, technique: &str) {
+/// Chooses from one of the panel's lists.
+pub(crate) fn choose(window: &mut Window, what: &str, technique: &str) {
     window.click(what);
     window.wait("the list", |status| widget(status, technique).is_some());
     window.click(technique);

@@ -4,8 +4,8 @@
 use image::{Rgba, RgbaImage};
 use x11rb::connection::Connection;
 use x11rb::protocol::xproto::{
-    CONFIGURE_NOTIFY_EVENT, ConfigureNotifyEvent, ConnectionExt, CreateWindowAux, EventMask, ImageFormat, PropMode,
-    WindowClass,
+    AtomEnum, CONFIGURE_NOTIFY_EVENT, ConfigureNotifyEvent, ConnectionExt, CreateWindowAux, EventMask, ImageFormat,
+    PropMode, WindowClass,
 };
 use x11rb::rust_connection::RustConnection;
 
@@ -21,6 +21,37 @@ pub(crate) fn screen(display: &str, window: u32) -> RgbaImage {
         let at = 4 * (y * width + x) as usize;
         Rgba([data[at + 2], data[at + 1], data[at], 255])
     })
+}
+
+/// Another program's window over the upper left part of the screen; gone when dropped.
+pub(crate) struct Cover {
+    // The window lives as long as its connection.
+    _connection: RustConnection,
+}
+
+impl Cover {
+    pub(crate) fn new(display: &str, [width, height]: [u16; 2]) -> Self {
+        let (connection, number) = RustConnection::connect(Some(display)).unwrap();
+        let window = connection.generate_id().unwrap();
+        let (root, class) = (connection.setup().roots[number].root, WindowClass::INPUT_OUTPUT);
+        let settings = CreateWindowAux::new().override_redirect(1).background_pixel(0x0040_4040);
+        connection.create_window(0, window, root, 0, 0, width, height, 0, class, 0, &settings).unwrap();
+        connection.map_window(window).unwrap().check().unwrap();
+        Self { _connection: connection }
+    }
+}
+
+/// Minimises a window or brings it back, as window managers do.
+pub(crate) fn minimise(display: &str, window: u32, minimised: bool) {
+    let (connection, _) = RustConnection::connect(Some(display)).unwrap();
+    let atom = |name: &str| connection.intern_atom(false, name.as_bytes()).unwrap().reply().unwrap().atom;
+    let (state, hidden) = (atom("_NET_WM_STATE"), atom("_NET_WM_STATE_HIDDEN"));
+    let bytes = hidden.to_ne_bytes();
+    let (length, content): (u32, &[u8]) = if minimised { (1, &bytes) } else { (0, &[]) };
+    let change = connection.change_property(PropMode::REPLACE, window, state, AtomEnum::ATOM, 32, length, content);
+    change.unwrap().check().unwrap();
+    let asked = if minimised { connection.unmap_window(window) } else { connection.map_window(window) };
+    asked.unwrap().check().unwrap();
 }
 
 /// A desktop's settings, as its settings daemon publishes them (XSETTINGS). Has to be there before the viewer.

@@ -132,6 +132,11 @@ impl Window {
         self.id.parse().unwrap()
     }
 
+    /// The name of its display.
+    pub(crate) fn display(&self) -> &str {
+        &self.display
+    }
+
     /// What is on the screen inside the window, whoever drew it.
     pub(crate) fn screen(&self) -> RgbaImage {
         desktop::screen(&self.display, self.number())
@@ -357,9 +362,13 @@ impl Window {
     }
 }
 
-/// Whether the panel rests; the terrain may go on turning its cube, and the search for cones may go on behind it.
+/// Whether the panel rests; the terrain may go on turning its cube, and the search for cones and the
+/// compiler may go on behind it.
 fn calm(status: &Value) -> bool {
-    status["idle"] == true || status["scene"]["occluder"]["spin"] != 0.0 || status["finding_cones"].is_number()
+    status["idle"] == true
+        || status["scene"]["occluder"]["spin"] != 0.0
+        || status["finding_cones"].is_number()
+        || status["compiling"] == true
 }
 
 /// A number of the status.

@@ -1,11 +1,12 @@
-//! Nothing changes: no frame. Only the panel changes: no scene.
+//! Nothing changes: no frame. Only the panel changes: no scene. Nobody looks: neither.
 
 use std::thread::sleep;
 use std::time::Duration;
 
 use serde_json::Value;
 
-use crate::harness::{Window, number, widget};
+use crate::desktop::{Cover, minimise};
+use crate::harness::{Window, camera, number, widget};
 
 fn counts(status: &Value) -> (f64, f64) {
     (number(&status["frame"]), number(&status["scene_frames"]))
@@ -46,5 +47,61 @@ fn frames_are_drawn_only_for_a_reason() {
     let stopped = window.settled("rest", |_| true);
     sleep(Duration::from_secs(1));
     assert_eq!(counts(&stopped), counts(&window.status()), "a stopped cube costs no frame");
+    window.close();
+}
+
+/// Waits until the viewer has come to rest, though it has something to draw, and sees that it stays so.
+#[track_caller]
+fn assert_rests(window: &mut Window, why: &str) -> Value {
+    let before = window.settled(why, |_| true);
+    sleep(Duration::from_secs(1));
+    let after = window.status();
+    assert_eq!(counts(&before), counts(&after), "{why}: nobody sees what is drawn, so nothing is");
+    after
+}
+
+#[track_caller]
+fn assert_goes_on(window: &mut Window, before: &Value, why: &str) {
+    let start = counts(before).1;
+    window.wait(why, |status| counts(status).1 >= start + 5.0);
+}
+
+/// A cube turns, and a key is held: with the window covered or minimised both cost nothing, and with it back they go on.
+#[test]
+fn a_window_that_nobody_sees_draws_nothing() {
+    let mut window = Window::open("--size 640x480 --view over");
+    for section in ["Terrain", "March"] {
+        window.section(section, false);
+    }
+    window.section("Occluder", true);
+    window.click("Enable occluder");
+    window.settled("an occluder", |status| status["scene"]["occluder"]["enabled"] == true);
+    window.fill_number("Spin value", "90");
+    let spinning = window.wait("a spin", |status| status["scene"]["occluder"]["spin"] == 90.0);
+    assert_goes_on(&mut window, &spinning, "a turning cube");
+    let (display, number) = (window.display().to_owned(), window.number());
+
+    let cover = Cover::new(&display, [1600, 1200]);
+    let covered = assert_rests(&mut window, "a covered window");
+    // The keyboard goes back to flying with a click on the picture, and stays with a covered window.
+    window.xdo("windowfocus --sync WINDOW keydown e");
+    let held = assert_rests(&mut window, "a covered window and a held key");
+    assert_eq!(camera(&held), camera(&covered));
+    window.xdo("keyup e");
+    drop(cover);
+    assert_goes_on(&mut window, &held, "a window in view again");
+
+    let cover = Cover::new(&display, [300, 480]);
+    let half = window.status();
+    assert_goes_on(&mut window, &half, "a window half covered");
+    drop(cover);
+
+    minimise(&display, number, true);
+    let minimised = assert_rests(&mut window, "a minimised window");
+    minimise(&display, number, false);
+    assert_goes_on(&mut window, &minimised, "a window brought back");
+    window.xdo("windowfocus --sync WINDOW");
+    window.fill_number("Spin value", "0");
+    window.settled("a still occluder", |status| status["scene"]["occluder"]["spin"] == 0.0);
     window.close();
 }

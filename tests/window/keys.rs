@@ -8,7 +8,7 @@ use crate::harness::{Window, differing, list, relief, widget};
 
 /// Makes the screenshot again without a window and compares.
 #[track_caller]
-fn assert_reproduced(window: &mut Window) {
+pub(crate) fn assert_reproduced(window: &mut Window) {
     let (path, picture) = window.shot();
     let again = window.path("again.png");
     let mut render: Command = relief();
