@@ -71,9 +71,9 @@ fn convert_keeps_what_a_format_cannot_say_in_a_sidecar() {
     let bench = Bench::with(&["special/nan.tif"]);
     let before = bench.info("nan.tif");
     for ending in ["png", "asc", "flt", "r16", "r32", "tif"] {
-        let (code, _, stderr) = bench.relief(&format!("convert nan.tif -o out.{ending}"));
+        let (code, _, stderr) = bench.relief(&format!("convert nan.tif -o out-{ending}.{ending}"));
         assert_eq!(code, 0, "{stderr}");
-        let after = bench.info(&format!("out.{ending}"));
+        let after = bench.info(&format!("out-{ending}.{ending}"));
         for key in ["width", "height", "nodata_fraction", "crs", "metres_per_sample", "bounds", "vertical_unit"] {
             assert_eq!(after[key], before[key], "{key} as {ending}");
         }
@@ -96,8 +96,11 @@ fn stderr_of(bench: &Bench, line: &str) -> String {
 fn convert_writes_whole_files_or_none() {
     let bench = Bench::with(&["special/nan.tif", "other/hdf.nc"]);
     std::fs::write(bench.path("scene.toml"), "[camera]\neye = [0.0, 1.0, 0.0]\n").unwrap();
+    assert_eq!(bench.relief("convert nan.tif -o taken.png").0, 0);
     let names = bench.names();
     for (line, expected, words) in [
+        // Its sidecar says how the PNG is read.
+        ("convert nan.tif -o taken.r16", 1, "taken.png"),
         ("convert nan.tif -o out.jpg", 2, ".png, .tif"),
         ("convert nan.tif -o nan.tif", 2, "would replace"),
         ("convert nan.tif -o none/out.tif", 1, "folder"),

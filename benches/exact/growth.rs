@@ -62,9 +62,14 @@ pub(super) fn measure(
         let mut line = format!("| {side} |");
         for (view, ms) in NamedView::MEASURED.iter().zip(&frames) {
             line += &format!(" {:.2} ({:.2}) |", ms[index], ms[index] / ms[unit]);
-            ratios.insert(format!("{side} {} growth", view.name()), ms[unit] / ms[index]);
+            if index != unit {
+                ratios.insert(format!("{side} {} growth", view.name()), ms[unit] / ms[index]);
+            }
         }
         let (first, bytes) = (cost.first_ms / samples * 1e6, cost.bytes as f64 / samples);
+        // Upside down: less is worse, as with all ratios that are compared.
+        ratios.insert(format!("{side} crater"), 1.0 / cost.crater);
+        ratios.insert(format!("{side} samples per byte"), 1.0 / bytes);
         say(table, &format!("{line} {first:.2} | {bytes:.2} | {:.2} |", cost.crater));
     }
     let curve = |name: &str, values: Vec<f64>| Curve {

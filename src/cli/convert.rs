@@ -1,5 +1,7 @@
 //! `relief convert`: an elevation file in another format.
 
+use std::path::{Path, PathBuf};
+
 use super::args::ConvertArgs;
 use super::failure::{Exit, Failure};
 use super::output::Output;
@@ -22,7 +24,7 @@ pub(crate) fn run(args: &ConvertArgs) -> Result<(), Failure> {
             .line("That would lose what the new format cannot hold.")
             .line("Give another name."));
     }
-    spare_scene(file, &args.output)?;
+    spare_sidecar(file, &args.output)?;
 
     let options = args.open.options();
     let (elevation, sidecar) = {
@@ -60,8 +62,8 @@ fn without_holes(elevation: Elevation, policy: Holes) -> Result<Elevation, Failu
     Ok(Elevation { vertical_unit: metres, taken: full, ..Elevation::of_field(&field, place) })
 }
 
-/// A scene must not be replaced by a sidecar, just because it has the same stem.
-fn spare_scene(file: &std::path::Path, shown: &std::path::Path) -> Result<(), Failure> {
+/// A scene, or what says how another map is read, must not be replaced just because it has the same stem.
+fn spare_sidecar(file: &Path, shown: &Path) -> Result<(), Failure> {
     let sidecar = Sidecar::path_of(file);
     let mut warnings = Vec::new();
     if sidecar.exists() && Sidecar::read_for(file, &mut warnings).is_none() {
@@ -69,5 +71,26 @@ fn spare_scene(file: &std::path::Path, shown: &std::path::Path) -> Result<(), Fa
             .line(format!("{} exists and is no sidecar; it would be replaced.", sidecar.display()))
             .line("Nothing was written. Give another name, or move that file."));
     }
+    if let Some(other) = sidecar.exists().then(|| sibling(file)).flatten() {
+        return Err(Failure::new(Exit::Failed, format!("cannot write {}", shown.display()))
+            .line(format!(
+                "{} says where {} lies and how it is read; it would be replaced, and that file shown wrong.",
+                sidecar.display(),
+                other.display()
+            ))
+            .line("Nothing was written. Give a name that differs in more than its ending."));
+    }
     Ok(())
+}
+
+/// Another file that goes by the sidecar of `file`: of the same name but for the ending.
+fn sibling(file: &Path) -> Option<PathBuf> {
+    /// Endings of what stands beside a map without being one.
+    const COMPANIONS: [&str; 3] = ["toml", "hdr", "prj"];
+    let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let paths = std::fs::read_dir(folder).ok()?.filter_map(|entry| Some(entry.ok()?.path()));
+    paths.filter(|path| path.is_file() && path.file_stem() == file.file_stem()).find(|path| {
+        let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();
+        path.file_name() != file.file_name() && !COMPANIONS.contains(&ending.as_str())
+    })
 }

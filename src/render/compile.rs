@@ -226,6 +226,7 @@ mod tests {
     use super::*;
     use crate::gpu::Target;
     use crate::heightfield::generate::{Kind, generate};
+    use crate::heightfield::{HeightField, HoleMask};
     use crate::render::Renderer;
     use crate::scene::{CraterMode, DebugView, Scene, Technique};
 
@@ -283,6 +284,16 @@ mod tests {
             renderer.draw(&scene, &target).unwrap();
             assert_eq!(renderer.pipelines.names(), before, "{scene:?}");
         }
+        // A map with holes has pipelines of its own.
+        let mut holes = HoleMask::new(5, 5);
+        holes.insert(12);
+        let map = HeightField::from_raw_with_holes(5, 5, &[0.0f64; 25], Some(holes)).unwrap();
+        renderer.set_terrain(Arc::new(map)).unwrap();
+        let missing = renderer.missing_pipelines(&Scene::default(), target.size(), false).expect("others than without");
+        renderer.set_compiled(missing.build(&|| true).unwrap());
+        let before = renderer.pipelines.names();
+        renderer.draw(&Scene::default(), &target).unwrap();
+        assert_eq!(renderer.pipelines.names(), before);
         let mut probed = Scene::default();
         probed.march.technique = Technique::Secant;
         let missing = renderer.missing_pipelines(&probed, [20, 15], true).expect("a probe has its own");
