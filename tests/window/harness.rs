@@ -20,7 +20,7 @@ use tempfile::TempDir;
 use crate::desktop;
 
 /// How long anything may take before it counts as never happening; a loaded machine draws slowly.
-const PATIENCE: Duration = Duration::from_secs(60);
+const PATIENCE: Duration = Duration::from_secs(120);
 
 /// How often the status file is looked at.
 const POLL: Duration = Duration::from_millis(15);
