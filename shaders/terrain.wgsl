@@ -317,11 +317,10 @@ fn fs_main(in: varyings::Varyings) -> Fragment {
 #endif
 #ifdef HOLES
 #ifdef DEEP_ZOOM
-    let seen = anchored_point_in_grid(p);
+    let cut = select(shading::cut_axis(anchored_point_in_grid(p), ray.direction), 3u, at_entry);
 #else
-    let seen = p;
+    let cut = select(shading::cut_axis(p, ray.direction), 3u, at == 0.0);
 #endif
-    let cut = shading::cut_axis(seen, ray.direction);
     let turned = select(facing, normal_across(cut, ray.direction), cut != 3u);
     return Fragment(vec4f(from_srgb(0.5 * turned + 0.5), 1.0), written);
 #else
@@ -341,7 +340,12 @@ fn fs_main(in: varyings::Varyings) -> Fragment {
     var wall = at == 0.0 && (span.axis != 1u || ray.direction.y > 0.0);
 #endif
 #ifdef HOLES
-    let cut = shading::cut_axis(point, ray.direction);
+    // Where a ray comes in it meets the box's side or floor, whatever is near.
+#ifdef DEEP_ZOOM
+    let cut = select(shading::cut_axis(point, ray.direction), 3u, at_entry);
+#else
+    let cut = select(shading::cut_axis(point, ray.direction), 3u, at == 0.0);
+#endif
     wall = wall || cut != 3u;
 #endif
     var albedo: vec3f;

@@ -12,7 +12,7 @@ use glam::DVec3;
 use relief::camera::{Camera, NamedView};
 use relief::heightfield::reference::Surface;
 use relief::heightfield::{CraterLayer, EditedTerrain, HeightField, HoleMask, Holes};
-use relief::render::{Ledger, Renderer};
+use relief::render::{Ledger, RenderError, Renderer};
 use relief::report::comparison::Comparison;
 use relief::scene::{CraterMode, HeightFilter, Scene, Technique};
 
@@ -153,8 +153,7 @@ fn flat_and_steep_boxes_have_holes_too() {
             let extent = map.box_size(Some(scale));
             let eye = extent * DVec3::new(0.4, 1.0, 0.5) + DVec3::new(0.1, 0.9, 0.3);
             let below = extent * DVec3::new(0.4, 0.0, 0.5) + DVec3::new(0.1, -0.9, 0.3);
-            // From below a ray comes in where it leaves a box without a height.
-            for eye in [eye, below].into_iter().take(if scale == 0.0 { 1 } else { 2 }) {
+            for eye in [eye, below] {
                 let mut scene = Scene { camera: Some(Camera::look_at(eye, extent * 0.5, 60.0)), ..Scene::default() };
                 scene.terrain.height_scale = Some(scale);
                 scene.march.lower_start = eye.y > 0.0;
@@ -248,7 +247,12 @@ fn every_technique_sees_through_holes() {
                 let mut scene = scene.clone();
                 (scene.march.technique, scene.march.filter) = (technique, filter);
                 (scene.march.samples_min, scene.march.samples_max) = (2048, 2048);
-                let Ok(probe) = renderer.probe(&scene, SIZE) else { continue };
+                let probe = match renderer.probe(&scene, SIZE) {
+                    Ok(probe) => probe,
+                    // An adapter need not filter 32-bit floats.
+                    Err(RenderError::Unsupported { .. }) if filter == HeightFilter::HardwareLinear => continue,
+                    Err(error) => panic!("{} {technique:?} {filter:?}: {error}", view.name()),
+                };
                 let agrees = |(&a, &b): (&f32, &f32)| a == b || (a - b).abs() < 0.005;
                 let agreeing = exact.iter().zip(&probe.distance).filter(|pair| agrees(*pair)).count();
                 println!("{} {technique:?} {filter:?}: {agreeing} of {}", view.name(), exact.len());

@@ -62,10 +62,16 @@ impl Compiler {
     }
 
     /// Nobody waits any more: no other pipeline is begun.
-    pub(crate) fn give_up(&self) {
+    fn give_up(&self) {
         if let Some(work) = &self.work {
             work.cancelled.store(true, Ordering::Relaxed);
         }
+    }
+
+    /// All that is wanted is there. What failed may be tried again when it is wanted again, and is told again.
+    pub(crate) fn rest(&mut self) {
+        self.give_up();
+        self.failed = None;
     }
 
     /// What is being compiled is for a device that is gone: its thread is left to itself.
@@ -245,7 +251,7 @@ impl Viewer {
             .or_else(|| renderer.missing_pipelines(&at_once, probed?, true))
             .or_else(|| renderer.missing_pipelines(&self.scene, size, false));
         let Some(wanted) = missing else {
-            self.compiler.give_up();
+            self.compiler.rest();
             return;
         };
         let proxy = self.proxy.clone();

@@ -336,6 +336,9 @@ impl Viewer {
         self.scene.occluder.position = None;
         self.scene.camera = Some(NamedView::Start.camera(&self.map, self.extent()));
         (self.drawn, self.shown, self.last_good) = (None, None, None);
+        // Its picture may need other pipelines, as that of a first map with holes does: said before they are waited for.
+        let size = graphics.target.size();
+        self.prepared = graphics.renderer.missing_pipelines(&self.scene, size, false).is_none();
         self.facts = Facts::new(&self.map, opened.title, &graphics.gpu);
         self.view.paths = PathFields::of(&self.scene);
         self.window.set_title(&format!("Relief: {}", self.facts.title));
