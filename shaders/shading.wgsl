@@ -87,13 +87,24 @@ fn ground_normal(p: vec2f) -> vec3f {
     return normalize(vec3f(-gradient.x, 1.0, -gradient.y));
 }
 
+#ifdef DIFFUSE_TEXTURE
+// Level of detail where `texels` of the finest level lie along a pixel's side: their logarithm, by parts linear as a
+// float's bits hold it (0.09 of a level off at most). Half of the way between two levels belongs to one of them alone,
+// so that there a software rasteriser, and many a GPU, looks up one level and not two.
+fn level_of_detail(texels: f32) -> f32 {
+    let logarithm = f32(bitcast<u32>(max(texels, 1.0)) - bitcast<u32>(1.0)) * exp2(-23.0);
+    let level = floor(logarithm);
+    return level + clamp(2.0 * (logarithm - level) - 0.5, 0.0, 1.0);
+}
+#endif
+
 // Reflectance of the ground at the grid position `p`, seen at the view depth `depth`.
 fn ground_albedo(p: vec2f, depth: f32) -> vec3f {
 #ifdef DIFFUSE_TEXTURE
     let uv = p * terrain.repeats_per_cell;
     // Texels under the pixel choose the mip; there are no derivatives after a march.
     let texels = depth * frame.pixel_size * terrain.texel_density * terrain.repeats;
-    let root = textureSampleLevel(diffuse_texture, diffuse_sampler, uv, log2(max(texels, 1.0))).rgb;
+    let root = textureSampleLevel(diffuse_texture, diffuse_sampler, uv, level_of_detail(texels)).rgb;
     return root * root;
 #else
     return vec3f(0.5);
