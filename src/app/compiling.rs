@@ -3,7 +3,7 @@
 use std::io;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, TryRecvError, channel};
+use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
@@ -16,7 +16,7 @@ use crate::gpu::ShaderError;
 use crate::render::{Compilation, Compiled, RenderError, Renderer};
 use crate::scene::Scene;
 
-/// How long a compiler waits for the notice of its work to be on screen: a hidden window never shows it.
+/// How long pipelines wait for the notice to be on screen: a hidden window never shows it.
 const NOTICE_PATIENCE: Duration = Duration::from_millis(500);
 
 /// Environment variable that makes a debug build's compiler take so many milliseconds longer.
@@ -85,7 +85,7 @@ impl Compiler {
         self.announced = true;
     }
 
-    /// The frame under way is on screen. With the notice on it, a driver whose compiler holds up all frames may go on.
+    /// The frame under way is on screen. With the notice on it, the first frame with new pipelines may take its time.
     pub(crate) fn frame_was_shown(&mut self) {
         if std::mem::take(&mut self.announced)
             && let Some(notice) = self.work.as_mut().and_then(|work| work.notice.take())
@@ -144,8 +144,10 @@ impl Compiler {
     }
 }
 
-/// Begins to compile. The thread builds the pipelines beside the frames; before the driver's part of it, which on some drivers
-/// holds frames up, it waits for the notice to be on screen.
+/// Begins to compile. The thread builds the pipelines beside the frames, and hands them over once the notice is on screen:
+/// some drivers compile in the first frame that draws with a pipeline, for the very textures and samplers of that frame,
+/// and have one queue, so that nothing else is drawn meanwhile. (A draw of nothing beforehand was measured: lavapipe
+/// compiled for its textures, and again in the frame.)
 fn start(wanted: Compilation, done: impl FnOnce() + Send + 'static) -> io::Result<Work> {
     let cancelled = Arc::new(AtomicBool::new(false));
     let ((notice, shown), (sender, outcome)) = (channel(), channel());
@@ -156,11 +158,9 @@ fn start(wanted: Compilation, done: impl FnOnce() + Send + 'static) -> io::Resul
         let go_on = || !stop.load(Ordering::Relaxed);
         pretend_to_work(&go_on);
         let outcome = compilation.build(&go_on);
-        if let Ok(compiled) = &outcome
-            && shown.recv_timeout(NOTICE_PATIENCE) != Err(RecvTimeoutError::Disconnected)
-            && let Err(reason) = compiled.warm_up(&go_on)
-        {
-            log::warn!("a pipeline could not be used before its first frame: {reason}");
+        if outcome.is_ok() && go_on() {
+            // Without a notice in time the window is hidden, and nobody sees the frame that takes long.
+            let _ = shown.recv_timeout(NOTICE_PATIENCE);
         }
         // The receiver is gone only when nobody wants them any more.
         let _ = sender.send(outcome);
@@ -245,11 +245,12 @@ impl Viewer {
         let (renderer, size) = (&graphics.renderer, graphics.target.size());
         let at_once = cones::drawable(&self.scene, renderer);
         let probed = self.view.measure_steps.then(|| measure::probed_size(size));
-        // Last what is drawn once its cones are found.
+        // Then what is drawn once its cones are found, and what a measurement draws.
         let missing = renderer
             .missing_pipelines(&at_once, size, false)
             .or_else(|| renderer.missing_pipelines(&at_once, probed?, true))
-            .or_else(|| renderer.missing_pipelines(&self.scene, size, false));
+            .or_else(|| renderer.missing_pipelines(&self.scene, size, false))
+            .or_else(|| self.tradeoff.missing_pipelines(renderer));
         let Some(wanted) = missing else {
             self.compiler.rest();
             return;

@@ -16,7 +16,10 @@ impl Viewer {
     /// Whether the next frame is one of the measurement of the techniques: the window draws one of its own in between,
     /// if anybody sees it. While cones are found nothing is measured: it would be slow, or wait for them.
     pub(super) fn may_measure_tradeoff(&self) -> bool {
-        self.tradeoff.progress().is_some() && !self.cones.is_busy() && (self.hidden || !self.redraw.is_wanted())
+        self.tradeoff.progress().is_some()
+            && !self.cones.is_busy()
+            && !self.compiler.is_busy()
+            && (self.hidden || !self.redraw.is_wanted())
     }
 
     /// A frame of the measurement of the techniques.

@@ -6,7 +6,7 @@ use std::time::Instant;
 use super::viewer::visible_part;
 use crate::gpu::Target;
 use crate::heightfield::{ConeKind, HeightField};
-use crate::render::{ConeGround, RenderError, Renderer};
+use crate::render::{Compilation, ConeGround, RenderError, Renderer};
 use crate::scene::{DebugSettings, DebugView, MarchSettings, Scene, Technique};
 
 /// Most samples of the settings of a technique that counts them, be it uniform ones or steps along cones; the fewest are a
@@ -139,6 +139,17 @@ impl Tradeoff {
         })
     }
 
+    /// Pipelines that the measurement under way needs and that are not there: its steps are frames, and none of them is to
+    /// wait for a compiler.
+    pub(crate) fn missing_pipelines(&self, renderer: &Renderer) -> Option<Compilation> {
+        let size = self.run.as_ref()?.target.size();
+        Technique::ALL.into_iter().find_map(|technique| {
+            let mut scene = self.scene.clone();
+            scene.march.technique = technique;
+            [true, false].into_iter().find_map(|probe| renderer.missing_pipelines(&scene, size, probe))
+        })
+    }
+
     /// What of `scene` is no longer as it was measured, in words. Technique and samples do not count: others were measured,
     /// too. Nor does the turning of the cube.
     pub(crate) fn outdated(&self, scene: &Scene) -> Option<String> {
@@ -245,11 +256,15 @@ mod tests {
         let mut renderer = Renderer::new(Arc::clone(&gpu)).unwrap();
         let map = Arc::new(generate(Kind::Ridged, 129, 3));
         renderer.set_terrain(Arc::clone(&map)).unwrap();
-        renderer.draw(&Scene::default(), &Target::new(&gpu, [64, 48])).unwrap();
-        let ledger = renderer.ledger().clone();
+        let target = Target::new(&gpu, [64, 48]);
         let mut tradeoff = Tradeoff::default();
         assert_eq!((tradeoff.progress(), tradeoff.results().len()), (None, 0));
         tradeoff.start(&Scene::default(), Target::new(&gpu, [64, 48]));
+        while let Some(missing) = tradeoff.missing_pipelines(&renderer) {
+            renderer.set_compiled(missing.build(&|| true).unwrap());
+        }
+        renderer.draw(&Scene::default(), &target).unwrap();
+        let ledger = renderer.ledger().clone();
         let (mut steps, mut words) = (0, Vec::new());
         while let Some(progress) = tradeoff.progress() {
             assert!((0.0..1.0).contains(&progress) && tradeoff.results().is_empty());
@@ -258,6 +273,8 @@ mod tests {
             steps += 1;
         }
         assert_eq!(renderer.ledger(), &ledger);
+        renderer.draw(&Scene::default(), &target).unwrap();
+        assert_eq!(renderer.ledger().pipelines, ledger.pipelines, "no step had to compile anything");
         assert_eq!(words[2], "Error of linear, 128 samples …");
         let last = &words[steps - 1];
         assert!(last.starts_with("Time of max-mipmap. About ") && last.ends_with(" left."), "{last}");

@@ -1,20 +1,11 @@
 //! Pipelines that are built away from the frame, on another thread: no frame waits for a compiler.
 
 use std::sync::Arc;
-use std::sync::mpsc::{RecvTimeoutError, channel};
-use std::time::{Duration, Instant};
 
-use crate::gpu::{DEPTH_CLEAR, DEPTH_FORMAT, Gpu, ShaderError, ShaderSources};
+use crate::gpu::{Gpu, ShaderError, ShaderSources};
 
 use super::frame::FrameBindings;
-use super::pipelines::{Built, PassDescription, PipelineKey, build};
-
-/// How often it is looked whether a driver has done its part, and for how long.
-const DRIVER_POLL: Duration = Duration::from_millis(4);
-const DRIVER_PATIENCE: Duration = Duration::from_secs(60);
-
-/// Bytes of a uniform buffer whose size a layout leaves open.
-const SOME_UNIFORM: u64 = 256;
+use super::pipelines::{Built, PipelineKey, build};
 
 /// Pipelines that a frame needs and that are not there: all that it takes to build them.
 #[derive(Clone, Debug)]
@@ -69,156 +60,6 @@ impl Compiled {
     pub(super) fn made_of(self, sources: &Arc<ShaderSources>) -> Option<Vec<(PipelineKey, Arc<Built>)>> {
         Arc::ptr_eq(&self.compilation.sources, sources).then_some(self.built)
     }
-
-    /// Draws nothing with each pipeline, while `go_on` says so: some drivers compile when a pipeline is first drawn with, and
-    /// a frame would wait for them. Waits for the driver, and lets others submit meanwhile.
-    ///
-    /// # Errors
-    /// What the device has to say against it. The pipelines are no worse for that.
-    pub(crate) fn warm_up(&self, go_on: &dyn Fn() -> bool) -> Result<(), String> {
-        let Compilation { gpu, frame, .. } = &self.compilation;
-        for (key, built) in &self.built {
-            if !go_on() {
-                break;
-            }
-            let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
-            draw_nothing(gpu, frame, &key.describe(), built);
-            if let Some(error) = pollster::block_on(scope.pop()) {
-                return Err(format!("{}: {error}", built.name));
-            }
-            wait(gpu, go_on);
-        }
-        Ok(())
-    }
-}
-
-/// Waits until all that was submitted so far is done. Does not wait inside the device: other threads could submit nothing
-/// until then.
-fn wait(gpu: &Gpu, go_on: &dyn Fn() -> bool) {
-    let (sender, done) = channel();
-    gpu.queue.on_submitted_work_done(move || {
-        // Fails only when nobody waits any more.
-        let _ = sender.send(());
-    });
-    let start = Instant::now();
-    while go_on() && start.elapsed() < DRIVER_PATIENCE {
-        // A failed poll shows as work that is never done; the loss itself is reported by the device.
-        let _ = gpu.device.poll(wgpu::PollType::Poll);
-        if done.recv_timeout(DRIVER_POLL) != Err(RecvTimeoutError::Timeout) {
-            return;
-        }
-    }
-}
-
-/// A draw of no pixel into a target of one, with bindings that hold nothing.
-fn draw_nothing(gpu: &Gpu, frame: &FrameBindings, pass: &PassDescription, built: &Built) {
-    let group = empty_group(gpu, pass, built);
-    let colour = texture(gpu, pass.format, 1, wgpu::TextureUsages::RENDER_ATTACHMENT);
-    let depth = pass.depth.map(|_| texture(gpu, DEPTH_FORMAT, 1, wgpu::TextureUsages::RENDER_ATTACHMENT));
-    let [colour, depth] = [Some(colour), depth]
-        .map(|texture| texture.map(|texture| texture.create_view(&wgpu::TextureViewDescriptor::default())));
-    let attachment = colour.as_ref().map(|view| wgpu::RenderPassColorAttachment {
-        view,
-        depth_slice: None,
-        resolve_target: None,
-        ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::BLACK), store: wgpu::StoreOp::Store },
-    });
-    let mut encoder =
-        gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("first use of a pipeline") });
-    {
-        let mut draws = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("first use of a pipeline"),
-            color_attachments: &[attachment],
-            depth_stencil_attachment: depth.as_ref().map(|view| wgpu::RenderPassDepthStencilAttachment {
-                view,
-                depth_ops: Some(wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(DEPTH_CLEAR),
-                    store: wgpu::StoreOp::Store,
-                }),
-                stencil_ops: None,
-            }),
-            ..Default::default()
-        });
-        draws.set_pipeline(&built.pipeline);
-        if pass.frame {
-            draws.set_bind_group(0, &frame.group, &[]);
-        }
-        draws.set_bind_group(u32::from(pass.frame), &group, &[]);
-        draws.set_scissor_rect(0, 0, 0, 0);
-        draws.draw(0..3, 0..1);
-    }
-    gpu.queue.submit([encoder.finish()]);
-}
-
-/// The pass's own bind group over resources made for it.
-fn empty_group(gpu: &Gpu, pass: &PassDescription, built: &Built) -> wgpu::BindGroup {
-    enum Resource {
-        Buffer(wgpu::Buffer),
-        View(wgpu::TextureView),
-        Sampler(wgpu::Sampler),
-    }
-    let resource = |ty: wgpu::BindingType| match ty {
-        wgpu::BindingType::Texture { sample_type, view_dimension, .. } => {
-            let filtered = sample_type == wgpu::TextureSampleType::Float { filterable: true };
-            let format = if filtered { wgpu::TextureFormat::Rgba8Unorm } else { wgpu::TextureFormat::R32Float };
-            let layers = if view_dimension == wgpu::TextureViewDimension::D2Array { 6 } else { 1 };
-            let texture = texture(gpu, format, layers, wgpu::TextureUsages::TEXTURE_BINDING);
-            let dimension = Some(view_dimension);
-            Resource::View(texture.create_view(&wgpu::TextureViewDescriptor { dimension, ..Default::default() }))
-        }
-        wgpu::BindingType::Sampler(kind) => {
-            let filter = match kind {
-                wgpu::SamplerBindingType::Filtering => wgpu::FilterMode::Linear,
-                _ => wgpu::FilterMode::Nearest,
-            };
-            Resource::Sampler(gpu.device.create_sampler(&wgpu::SamplerDescriptor {
-                mag_filter: filter,
-                min_filter: filter,
-                ..Default::default()
-            }))
-        }
-        wgpu::BindingType::Buffer { min_binding_size, .. } => {
-            Resource::Buffer(gpu.device.create_buffer(&wgpu::BufferDescriptor {
-                label: None,
-                size: min_binding_size.map_or(SOME_UNIFORM, std::num::NonZero::get),
-                usage: wgpu::BufferUsages::UNIFORM,
-                mapped_at_creation: false,
-            }))
-        }
-        // No pass has any.
-        _ => Resource::Sampler(gpu.device.create_sampler(&wgpu::SamplerDescriptor::default())),
-    };
-    let resources: Vec<_> = pass.bindings.iter().map(|entry| (entry.binding, resource(entry.ty))).collect();
-    let entries: Vec<_> = resources
-        .iter()
-        .map(|(binding, resource)| wgpu::BindGroupEntry {
-            binding: *binding,
-            resource: match resource {
-                Resource::Buffer(buffer) => buffer.as_entire_binding(),
-                Resource::View(view) => wgpu::BindingResource::TextureView(view),
-                Resource::Sampler(sampler) => wgpu::BindingResource::Sampler(sampler),
-            },
-        })
-        .collect();
-    gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some("first use of a pipeline"),
-        layout: &built.layout,
-        entries: &entries,
-    })
-}
-
-/// A texture of one texel in each layer.
-fn texture(gpu: &Gpu, format: wgpu::TextureFormat, layers: u32, usage: wgpu::TextureUsages) -> wgpu::Texture {
-    gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("first use of a pipeline"),
-        size: wgpu::Extent3d { width: 1, height: 1, depth_or_array_layers: layers },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format,
-        usage,
-        view_formats: &[],
-    })
 }
 
 #[cfg(test)]
@@ -273,11 +114,7 @@ mod tests {
         let target = Target::new(&gpu, [40, 30]);
         for scene in scenes() {
             let missing = renderer.missing_pipelines(&scene, target.size(), false).expect("not built yet");
-            let compiled = std::thread::spawn(move || {
-                let compiled = missing.build(&|| true).unwrap();
-                compiled.warm_up(&|| true).unwrap();
-                compiled
-            });
+            let compiled = std::thread::spawn(move || missing.build(&|| true).unwrap());
             renderer.set_compiled(compiled.join().unwrap());
             assert!(renderer.missing_pipelines(&scene, target.size(), false).is_none());
             let before = renderer.pipelines.names();
