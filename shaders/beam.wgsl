@@ -43,16 +43,27 @@ fn height_around(node: vec2f, size: f32) -> f32 {
     return height_of_four(clamp(floor(0.5 * (node - 1.0)), vec2f(-1.0), last), double);
 }
 
-// Parameter at which the tile's rays may start (FOR_EVER: none of them meets the ground), and the side in cells of the node to start in.
+// Texels that a step looks at.
+const READS_PER_STEP: f32 = 4.0;
+
+// Parameter at which the tile's rays may start (FOR_EVER: none of them meets the ground), the side in cells of the node to
+// start in, and, for who counts them, the tile's texel reads with its share of the coarse tile's.
 @fragment
 fn fs_main(in: varyings::Varyings) -> @location(0) vec4f {
     varyings::receive(in);
 #ifdef REFINES
     let last_tile = vec2i(textureDimensions(coarse)) - 1;
     let before = textureLoad(coarse, min(vec2i(in.position.xy * (TILE / COARSE_TILE)), last_tile), 0);
+#ifdef COUNT_READS
+    let shared_reads = before.b * (TILE / COARSE_TILE) * (TILE / COARSE_TILE) + 1.0;
+#else
+    let shared_reads = 0.0;
+#endif
     if before.r == FOR_EVER {
-        return before;
+        return vec4f(FOR_EVER, 0.0, shared_reads, 0.0);
     }
+#else
+    let shared_reads = 0.0;
 #endif
     let ray = pixel_ray(in.position.xy * TILE);
     // Half a tile reaches to the outer pixels' edges: half a pixel more than their rays need.
@@ -68,7 +79,7 @@ fn fs_main(in: varyings::Varyings) -> @location(0) vec4f {
     let begin = max(max(max(enter.x, enter.y), enter.z), -frame.ray_start);
     let end = min(min(leave_box.x, leave_box.y), leave_box.z);
     if begin > end {
-        return vec4f(FOR_EVER, 0.0, 0.0, 0.0);
+        return vec4f(FOR_EVER, 0.0, shared_reads, 0.0);
     }
 
     let scale = vec3f(terrain.cells_per_unit.x, 1.0, terrain.cells_per_unit.y);
@@ -107,11 +118,11 @@ fn fs_main(in: varyings::Varyings) -> @location(0) vec4f {
             break;
         }
         if !blocked && leave >= end - begin {
-            return vec4f(FOR_EVER, 0.0, 0.0, 0.0);
+            return vec4f(FOR_EVER, 0.0, shared_reads + READS_PER_STEP * f32(walk.steps), 0.0);
         }
         let first = vec2f(low_enough) < reached(course, (walk.wall - 0.5) * walk.size);
         let within = Walk(low_enough, 0.5 * walk.size, 2.0 * walk.wall - vec2f(first), walk.steps);
         walk = either(moved_on(walk, through_x, leave, top), within, blocked);
     }
-    return vec4f(begin + walk.t, 2.0 * walk.size, 0.0, 0.0);
+    return vec4f(begin + walk.t, 2.0 * walk.size, shared_reads + READS_PER_STEP * f32(walk.steps), 0.0);
 }

@@ -247,6 +247,13 @@ fn fs_main(in: varyings::Varyings) -> Fragment {
     }
 #endif
     let missed = at == NO_HIT;
+#ifdef PROBE
+    var counted = f32(hit.steps);
+#ifdef COUNT_READS
+    // The beam's texel, and the pixel's share of those that the beam has read.
+    counted += 1.0 + beam.b / (FINE_TILE * FINE_TILE);
+#endif
+#endif
 #ifdef VIEW_ERROR
     let last_pixel = vec2i(textureDimensions(exact_distances)) - 1;
     let exact = textureLoad(exact_distances, min(vec2i(in.position.xy), last_pixel), 0).r;
@@ -255,7 +262,7 @@ fn fs_main(in: varyings::Varyings) -> Fragment {
 #ifdef DISCARD_MISSES
 #ifdef PROBE
         // Steps of a ray that meets nothing count, too; its depth is that of the sky.
-        return Fragment(vec4f(-1.0, f32(hit.steps), f32(hit.capped), 1.0), 0.0);
+        return Fragment(vec4f(-1.0, counted, f32(hit.capped), 1.0), 0.0);
 #else
 #ifdef VIEW_STEPS
         return Fragment(vec4f(heat_map(f32(hit.steps) / terrain.heat_map_max), 1.0), NEAR / 1e30);
@@ -288,9 +295,9 @@ fn fs_main(in: varyings::Varyings) -> Fragment {
 
 #ifdef PROBE
 #ifdef DEEP_ZOOM
-    return Fragment(vec4f(depth * length_of_direction, f32(hit.steps), f32(hit.capped + 2u * counted_from), at), written);
+    return Fragment(vec4f(depth * length_of_direction, counted, f32(hit.capped + 2u * counted_from), at), written);
 #else
-    return Fragment(vec4f(depth * length_of_direction, f32(hit.steps), f32(hit.capped), span.begin + at), written);
+    return Fragment(vec4f(depth * length_of_direction, counted, f32(hit.capped), span.begin + at), written);
 #endif
 #endif
 #ifdef VIEW_STEPS

@@ -96,6 +96,14 @@ fn median(times: &mut [f64]) -> f64 {
     times[times.len() / 2]
 }
 
+/// Mean and 99th percentile over the rays that were cast.
+fn mean_and_p99(counts: Vec<u32>) -> (f64, u32) {
+    let mut cast: Vec<u32> = counts.into_iter().filter(|&count| count > 0).collect();
+    cast.sort_unstable();
+    let sum: f64 = cast.iter().map(|&count| f64::from(count)).sum();
+    (sum / cast.len().max(1) as f64, cast.get(cast.len() * 99 / 100).copied().unwrap_or(0))
+}
+
 /// A renderer that holds `map`.
 fn renderer(gpu: &Arc<Gpu>, map: &Arc<HeightField>) -> Renderer {
     let mut renderer = Renderer::new(Arc::clone(gpu)).unwrap();
@@ -125,10 +133,10 @@ fn against_others(gpu: &Arc<Gpu>, side: u32, plan: &Plan, table: &mut String, ra
         say(
             table,
             &format!(
-                "| view | max-mipmap ms | linear-binary ms | × (aim {AIM}) | Embree ms | × (aim {peer_aim}) | steps mean | p99 | rays that hit: ours, Embree's |"
+                "| view | max-mipmap ms | linear-binary ms | × (aim {AIM}) | Embree ms | × (aim {peer_aim}) | steps mean | p99 | texel reads mean | p99 | rays that hit: ours, Embree's |"
             ),
         );
-        say(table, "|---|---|---|---|---|---|---|---|---|");
+        say(table, "|---|---|---|---|---|---|---|---|---|---|---|");
         let target = Target::new(gpu, size);
         let mut over_peer = Vec::new();
         for view in NamedView::MEASURED {
@@ -157,9 +165,8 @@ fn against_others(gpu: &Arc<Gpu>, side: u32, plan: &Plan, table: &mut String, ra
             }
             let [exact, sampled, traced] = times.each_mut().map(|times| median(times));
             let probe = renderers[0].probe(&scenes[0], size).unwrap();
-            let mut steps: Vec<u32> = probe.steps.iter().copied().filter(|&steps| steps > 0).collect();
-            steps.sort_unstable();
-            let p99 = steps.get(steps.len() * 99 / 100).copied().unwrap_or(0);
+            let [(steps, steps_p99), (reads, reads_p99)] =
+                [probe.steps, renderers[0].texel_reads(&scenes[0], size).unwrap()].map(mean_and_p99);
             let hits = probe.distance.iter().filter(|distance| distance.is_finite()).count();
             let name = |peer: &str| format!("{side} {width}x{height} {} {peer}", view.name());
             ratios.insert(name("linear-binary"), sampled / exact);
@@ -173,10 +180,9 @@ fn against_others(gpu: &Arc<Gpu>, side: u32, plan: &Plan, table: &mut String, ra
             say(
                 table,
                 &format!(
-                    "| {} | {exact:.2} | {sampled:.2} | {:.2} | {peer_ms} | {peer_ratio} | {:.1} | {p99} | {hits}, {peer_hits} |",
+                    "| {} | {exact:.2} | {sampled:.2} | {:.2} | {peer_ms} | {peer_ratio} | {steps:.1} | {steps_p99} | {reads:.1} | {reads_p99} | {hits}, {peer_hits} |",
                     view.name(),
                     sampled / exact,
-                    probe.step_stats().0,
                 ),
             );
         }

@@ -44,7 +44,11 @@ fn intersect_patch(corners: vec4f, local: vec3f, direction: vec3f, length: f32) 
 fn march(ray: Segment) -> Hit {
     if ray.begin > ray.end {
         // The beam reaches the end of the box, or passes it by.
+#ifdef COUNT_READS
+        return Hit(NO_HIT, 0u, 0u);
+#else
         return Hit(NO_HIT, 1u, 0u);
+#endif
     }
     let direction = ray.direction.xz;
     // A ray along the map's eastern or southern border belongs to the last cells, not to the wall behind them.
@@ -119,7 +123,12 @@ fn march(ray: Segment) -> Hit {
             // The ray has left the map, or was cut off on its way to a cell.
             return Hit(select(walk.t, NO_HIT, walk.size == 0.0), walk.steps, u32(walk.size != 0.0));
         }
+#ifdef COUNT_READS
+        // The four corners; a node is one texel, and one step.
+        walk.steps += 4u;
+#else
         walk.steps += 1u;
+#endif
         let ahead = reached(course, walk.wall);
         let through_x = ahead.x <= ahead.y;
         let leave = greater(lesser(select(ahead.y, ahead.x, through_x), ray.end), walk.t);

@@ -45,7 +45,14 @@ impl Tiles {
 /// Start parameter, and side in cells of the node to start in.
 const BEAM_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rg32Float;
 
-pub(super) fn describe(tiles: Tiles) -> PassDescription {
+/// The same and texel reads, for who counts them.
+const COUNTING_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
+
+fn format(counts: bool) -> wgpu::TextureFormat {
+    if counts { COUNTING_FORMAT } else { BEAM_FORMAT }
+}
+
+pub(super) fn describe(tiles: Tiles, counts: bool) -> PassDescription {
     let refines = tiles == Tiles::Fine;
     PassDescription {
         modules: vec!["frame.wgsl", "heightfield.wgsl", "varyings.wgsl", "pyramid.wgsl"],
@@ -58,9 +65,9 @@ pub(super) fn describe(tiles: Tiles) -> PassDescription {
         .into_iter()
         .chain(refines.then(|| texture_entry(8, false, false)))
         .collect(),
-        defs: refines.then_some("REFINES").into_iter().collect(),
+        defs: refines.then_some("REFINES").into_iter().chain(counts.then_some("COUNT_READS")).collect(),
         depth: None,
-        format: BEAM_FORMAT,
+        format: format(counts),
         ..PassDescription::scene(tiles.name(), "beam.wgsl", false)
     }
 }
@@ -85,24 +92,27 @@ pub(super) struct BeamPass {
 pub(super) struct Beams {
     /// Size of the picture in pixels.
     size: [u32; 2],
+    /// Whether texel reads are counted.
+    counts: bool,
     /// By [`Tiles::ALL`].
     starts: [Texture; 2],
 }
 
 impl Beams {
-    /// Room for the tiles of a picture of `size` pixels.
-    pub(super) fn new(gpu: &Gpu, size: [u32; 2]) -> Self {
+    /// Room for the tiles of a picture of `size` pixels, and for the counts of their texel reads.
+    pub(super) fn new(gpu: &Gpu, size: [u32; 2], counts: bool) -> Self {
         let starts = Tiles::ALL.map(|tiles| {
             let in_tiles = size.map(|side| side.div_ceil(tiles.side()));
-            let texture = sized_texture(gpu, tiles.name(), in_tiles, BEAM_FORMAT, &[]);
+            let texture = sized_texture(gpu, tiles.name(), in_tiles, format(counts), &[]);
             let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
             Texture { texture, view }
         });
-        Self { size, starts }
+        Self { size, counts, starts }
     }
 
-    pub(super) fn size(&self) -> [u32; 2] {
-        self.size
+    /// Whether they are for pictures of `size` pixels, and count or not.
+    pub(super) fn suit(&self, size: [u32; 2], counts: bool) -> bool {
+        self.size == size && self.counts == counts
     }
 
     /// Where the rays of these tiles may start.

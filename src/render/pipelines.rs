@@ -13,10 +13,13 @@ use super::{beam, heat_map, occluder, present, skybox, terrain, wireframe};
 /// Which pipeline: everything that decides what is compiled into it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum PipelineKey {
-    Beam(Tiles),
+    /// With whether it counts texel reads.
+    Beam(Tiles, bool),
     Terrain(TerrainKey),
     Wireframe,
-    Occluder { probe: bool },
+    Occluder {
+        probe: bool,
+    },
     Skybox,
     Present(wgpu::TextureFormat),
 }
@@ -24,7 +27,7 @@ pub(super) enum PipelineKey {
 impl PipelineKey {
     pub(super) fn describe(self) -> PassDescription {
         match self {
-            Self::Beam(tiles) => beam::describe(tiles),
+            Self::Beam(tiles, counts) => beam::describe(tiles, counts),
             Self::Terrain(key) => terrain::describe(key),
             Self::Wireframe => wireframe::describe(),
             Self::Occluder { probe } => occluder::describe(probe),

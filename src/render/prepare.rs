@@ -54,6 +54,15 @@ pub(super) enum Aim<'a> {
     Given(&'a wgpu::TextureView),
     /// Distances and steps.
     Probe,
+    /// The same, with texel reads in place of steps.
+    Reads,
+}
+
+impl Aim<'_> {
+    /// Whether it is something else than a picture.
+    pub(super) fn probes(self) -> bool {
+        matches!(self, Self::Probe | Self::Reads)
+    }
 }
 
 /// Where things are in a frame.
@@ -74,7 +83,7 @@ impl Renderer {
     pub(super) fn prepare(&mut self, scene: &Scene, size: [u32; 2], aim: Aim<'_>) -> Result<Passes, RenderError> {
         scene_file::validate(scene)?;
         let view = self.view(scene, size);
-        let probe = matches!(aim, Aim::Probe);
+        let probe = aim.probes();
         let over_holes = self.ground.as_ref().is_some_and(Ground::has_holes);
         let over_holes = |key: TerrainKey| key.over_holes(over_holes);
         let terrains: Vec<_> =
@@ -99,7 +108,8 @@ impl Renderer {
         }
         let frame = FrameUniform::new(&view.camera, size, view.extent, scene.skybox.flattening);
         self.frame.write(&self.gpu, &frame);
-        self.prepare_beams(&view, size, beamed.is_some());
+        let counts = matches!(aim, Aim::Reads);
+        self.prepare_beams(&view, size, beamed.map(|_| counts));
         let anchored = terrains.iter().map(|(_, key)| key).chain(&exact).any(|key| key.deep);
         let anchors = if anchored { self.prepare_anchors(scene, &view, size) } else { Vec::new() };
 
@@ -115,7 +125,7 @@ impl Renderer {
             None => None,
         };
         let beams = match beamed.filter(|_| !draws.is_empty()) {
-            Some(area) => self.beam_passes()?.map(|passes| (passes, area)),
+            Some(area) => self.beam_passes(counts)?.map(|passes| (passes, area)),
             None => None,
         };
         if scene.debug.wireframe && !probe {
@@ -230,7 +240,7 @@ impl Renderer {
                 return None;
             }
             if terrain.iter().any(TerrainKey::needs_pyramid) {
-                keys.extend(Tiles::ALL.map(PipelineKey::Beam));
+                keys.extend(Tiles::ALL.map(|tiles| PipelineKey::Beam(tiles, false)));
             }
             keys.extend(terrain.into_iter().map(PipelineKey::Terrain));
             if scene.debug.wireframe && !probe {
@@ -299,19 +309,22 @@ impl Renderer {
         Ok(())
     }
 
-    /// Keeps room for the starts of the picture's tiles while the terrain is in view and walked from them.
-    fn prepare_beams(&mut self, view: &View, size: [u32; 2], needed: bool) {
-        if !needed || !self.shows_terrain(view) {
+    /// Keeps room for the starts of the picture's tiles while the terrain is in view and walked from them; `counts` says
+    /// that it is, and whether texel reads are counted.
+    fn prepare_beams(&mut self, view: &View, size: [u32; 2], counts: Option<bool>) {
+        let Some(counts) = counts.filter(|_| self.shows_terrain(view)) else {
             self.beams = None;
-        } else if self.beams.as_ref().is_none_or(|beams| beams.size() != size) {
-            self.beams = Some(Beams::new(&self.gpu, size));
+            return;
+        };
+        if !self.beams.as_ref().is_some_and(|beams| beams.suit(size, counts)) {
+            self.beams = Some(Beams::new(&self.gpu, size, counts));
         }
     }
 
-    fn beam_passes(&mut self) -> Result<Option<[BeamPass; 2]>, RenderError> {
+    fn beam_passes(&mut self, counts: bool) -> Result<Option<[BeamPass; 2]>, RenderError> {
         let (Some(beams), Some(ground)) = (&self.beams, &self.ground) else { return Ok(None) };
         let mut pass = |tiles| -> Result<Option<BeamPass>, RenderError> {
-            let built = self.pipelines.get(&self.gpu, &self.frame.layout, PipelineKey::Beam(tiles))?;
+            let built = self.pipelines.get(&self.gpu, &self.frame.layout, PipelineKey::Beam(tiles, counts))?;
             let group = self.terrain.beam_group(&self.gpu, &built, ground, beams, tiles);
             Ok(group.map(|group| BeamPass { built, group }))
         };
@@ -391,11 +404,15 @@ impl Renderer {
 
 /// The terrain's draws: the parts of the picture, and the pipeline of each.
 fn terrains(scene: &Scene, size: [u32; 2], aim: Aim<'_>, deep: bool) -> Vec<(Side, TerrainKey)> {
-    let probe = matches!(aim, Aim::Probe);
+    let probe = aim.probes();
     if let Aim::Given(_) = aim {
         let side = Side { name: "terrain", technique: scene.march.technique, area: Area::whole(size) };
         return vec![(side, TerrainKey::of(scene, false).with_given_distances())];
     }
     let key = |side: Side| (side, TerrainKey::of_technique(scene, side.technique, probe).in_a_deep_zoom(deep));
+    let key = |side: Side| {
+        let (side, key) = key(side);
+        (side, if matches!(aim, Aim::Reads) { key.counting_reads() } else { key })
+    };
     sides(scene, size).into_iter().map(key).collect()
 }

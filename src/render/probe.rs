@@ -58,9 +58,23 @@ impl Renderer {
     /// # Errors
     /// As [`Renderer::draw`], and where nothing can be read back.
     pub fn probe(&mut self, scene: &Scene, size: [u32; 2]) -> Result<Probe, RenderError> {
+        self.probe_aimed(scene, size, Aim::Probe)
+    }
+
+    /// Texels that each pixel of `scene` reads to find the ground with the exact technique: a node's, a cell's four corners,
+    /// and its share of what the beams read for it, rounded down; 0 where no ray is cast. In a deep zoom, and with another
+    /// technique, it is the steps. Waits for the GPU; leaves the ledger as it is.
+    ///
+    /// # Errors
+    /// As [`Self::probe`].
+    pub fn texel_reads(&mut self, scene: &Scene, size: [u32; 2]) -> Result<Vec<u32>, RenderError> {
+        Ok(self.probe_aimed(scene, size, Aim::Reads)?.steps)
+    }
+
+    fn probe_aimed(&mut self, scene: &Scene, size: [u32; 2], aim: Aim<'_>) -> Result<Probe, RenderError> {
         self.check_device()?;
         let size = size.map(|side| side.clamp(1, self.gpu.capabilities.max_texture));
-        let passes = self.prepare(scene, size, Aim::Probe)?;
+        let passes = self.prepare(scene, size, aim)?;
         let View { camera, extent, .. } = self.view(scene, size);
         let color = sized_texture(&self.gpu, "probe", size, PROBE_FORMAT, &[]);
         let depth = sized_texture(&self.gpu, "probe depth", size, DEPTH_FORMAT, &[]);

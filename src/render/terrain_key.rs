@@ -30,6 +30,8 @@ pub(super) struct TerrainKey {
     pub(super) holes: bool,
     /// Rays are counted from an anchor at the visible ground (`anchor.rs`).
     pub(super) deep: bool,
+    /// A probe counts texel reads in place of steps.
+    pub(super) counts: bool,
     pub(super) output: Output,
 }
 
@@ -57,6 +59,7 @@ impl TerrainKey {
             given: false,
             holes: false,
             deep: false,
+            counts: false,
             output,
         };
         if key.finds_ground() { key } else { Self::without_rays() }
@@ -87,6 +90,11 @@ impl TerrainKey {
     /// has: the others are wrong by more than that, and what is given as an f32 distance has lost it already.
     pub(super) fn in_a_deep_zoom(self, deep: bool) -> Self {
         Self { deep: deep && self.needs_pyramid(), ..self }
+    }
+
+    /// The same counting texel reads. Only the exact technique's differ from its steps by more than a factor.
+    pub(super) fn counting_reads(self) -> Self {
+        Self { counts: self.needs_pyramid() && !self.deep, ..self }
     }
 
     /// The same over a map with holes, or without.
@@ -146,6 +154,7 @@ impl TerrainKey {
             given: false,
             holes: false,
             deep: false,
+            counts: false,
             output: Output::View(DebugView::Position),
         }
     }
@@ -176,7 +185,8 @@ impl TerrainKey {
                 }
                 let key = Self::of(&scene, bit(6));
                 let exact = Self::of_exact_distances(&scene);
-                let mut found = vec![key, exact, key.in_a_deep_zoom(true), exact.in_a_deep_zoom(true)];
+                let mut found =
+                    vec![key, exact, exact.counting_reads(), key.in_a_deep_zoom(true), exact.in_a_deep_zoom(true)];
                 if !bit(6) {
                     found.push(key.with_given_distances());
                 }
@@ -194,6 +204,7 @@ impl TerrainKey {
             (self.filter == HeightFilter::Nearest, "FILTER_NEAREST"),
             (self.needs_pyramid(), "BEAM"),
             (self.deep, "DEEP_ZOOM"),
+            (self.counts, "COUNT_READS"),
             (self.holes, "HOLES"),
             (self.steps_by_angle, "STEPS_BY_ANGLE"),
             (self.lower_start, "LOWER_START"),

@@ -12,7 +12,7 @@ use super::occluder::CubeUniform;
 use super::pipelines::sources;
 use super::terrain::{TerrainKey, TerrainUniform};
 use super::*;
-use crate::camera::Camera;
+use crate::camera::{Camera, NamedView};
 use crate::gpu::COLOR_FORMAT;
 use crate::scene::{CraterMode, HeightFilter, Technique};
 
@@ -134,8 +134,10 @@ fn every_reachable_pipeline_builds_and_binds_just_what_its_shader_uses() {
     assert!(keys.len() > 100, "the list of variants has shrunk to {}", keys.len());
     let mut all: Vec<_> = keys.into_iter().map(PipelineKey::Terrain).collect();
     all.extend([
-        PipelineKey::Beam(Tiles::Coarse),
-        PipelineKey::Beam(Tiles::Fine),
+        PipelineKey::Beam(Tiles::Coarse, false),
+        PipelineKey::Beam(Tiles::Fine, false),
+        PipelineKey::Beam(Tiles::Coarse, true),
+        PipelineKey::Beam(Tiles::Fine, true),
         PipelineKey::Wireframe,
         PipelineKey::Occluder { probe: false },
         PipelineKey::Occluder { probe: true },
@@ -329,6 +331,34 @@ fn beams_hide_nothing() {
     }
     assert!(hits > 300_000, "only {hits} pixels show ground");
     assert!(saved > hits as i64, "beams save only {saved} steps for {hits} hits");
+}
+
+/// One cell has one patch, four texels; the beams' few are shared by their tiles.
+#[test]
+fn texel_reads_are_those_of_nodes_cells_and_beams() {
+    let mut renderer = Renderer::new(Gpu::headless().unwrap()).unwrap();
+    let size = [64, 48];
+    let mut scene = Scene::default();
+    let mut count = |map: Arc<HeightField>| {
+        renderer.set_terrain(Arc::clone(&map)).unwrap();
+        scene.camera = Some(NamedView::Down.camera(&map, map.box_size(None)));
+        let probe = renderer.probe(&scene, size).unwrap();
+        let reads = renderer.texel_reads(&scene, size).unwrap();
+        assert_eq!(renderer.probe(&scene, size).unwrap().steps, probe.steps, "counting leaves nothing behind");
+        let hits = probe.distance.iter().map(|distance| distance.is_finite());
+        let hits: Vec<_> =
+            hits.zip(probe.steps).zip(reads).filter(|((hit, _), _)| *hit).map(|(pair, r)| (pair.1, r)).collect();
+        assert!(hits.len() > 1000, "{}", hits.len());
+        hits
+    };
+    for (steps, reads) in count(map_of(2, 2, |x, _| x as f32)) {
+        // A cell, and the node above it where the ray starts there; the beam's texel and at most three of its own.
+        assert!(steps <= 2, "{steps}");
+        assert!((steps + 4..steps + 8).contains(&reads), "{steps} steps, {reads} texels");
+    }
+    for (steps, reads) in count(map_of(65, 65, noise)) {
+        assert!(reads >= steps + 3 && reads <= 4 * steps + 40, "{steps} steps, {reads} texels");
+    }
 }
 
 /// A rasteriser may move a corner by a sixteenth of a pixel, from however far the box is seen; what then lies outside of
