@@ -74,6 +74,8 @@ pub struct ViewerOptions {
     pub status: Option<PathBuf>,
     /// The folder that screenshots are written to.
     pub screenshots: PathBuf,
+    /// Forget the settings of earlier runs; their file is put aside.
+    pub reset_settings: bool,
 }
 
 impl ViewerOptions {
@@ -87,6 +89,7 @@ impl ViewerOptions {
             size: None,
             status: None,
             screenshots: PathBuf::from("."),
+            reset_settings: false,
         }
     }
 }
