@@ -68,6 +68,7 @@ impl Kind {
 pub struct AnimationWriter {
     path: PathBuf,
     size: [u32; 2],
+    count: u32,
     written: u32,
     into: Into,
 }
@@ -102,7 +103,7 @@ impl AnimationWriter {
                 Into::Apng(file, Box::new(encoder.and_then(png::Encoder::write_header).map_err(encode)?))
             }
         };
-        Ok(Self { path: path.to_path_buf(), size, written: 0, into })
+        Ok(Self { path: path.to_path_buf(), size, count, written: 0, into })
     }
 
     /// Adds a picture; its alpha is ignored.
@@ -136,6 +137,10 @@ impl AnimationWriter {
     /// It cannot be written, or there are fewer pictures than were announced.
     pub fn finish(self) -> Result<PathBuf, AnimationError> {
         let io = |source| AnimationError::Io { path: self.path.clone(), source };
+        if self.written != self.count {
+            let reason = format!("{} pictures were announced, and {} came", self.count, self.written);
+            return Err(AnimationError::Encode { path: self.path, reason });
+        }
         match self.into {
             Into::Folder(folder) => {
                 if self.path.is_dir() {

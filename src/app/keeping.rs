@@ -37,7 +37,7 @@ pub(super) struct Keeper {
 impl Keeper {
     /// A keeper of what was read.
     pub(super) fn new(store: Store, kept: Preferences) -> Self {
-        Self { store, kept, moved: false, due: None, looks: None, zoom: 1.0, wishes: Wishes::default() }
+        Self { store, kept, moved: true, due: None, looks: None, zoom: 1.0, wishes: Wishes::default() }
     }
 
     /// The window was moved or has another size.

@@ -128,10 +128,13 @@ fn use_control(harness: &mut Harness<'_, State>, role: Role, name: &str) -> bool
                 if harness.state().print() != before {
                     return true;
                 }
+                // What was chosen already has closed the list.
+                if harness.query_by_label(choice).is_none() {
+                    harness.get_by_role_and_label(role, name).click();
+                    harness.run_steps(6);
+                }
                 if let Some(node) = harness.query_by_label(choice) {
                     node.click();
-                } else {
-                    harness.get_by_role_and_label(role, name).click();
                 }
                 harness.run_steps(6);
             }
