@@ -8,7 +8,9 @@
 //! | [`heightfield`] | the map itself: loading, generating, the maximum pyramid, craters, the f64 reference |
 //! | [`scene`], [`camera`] | what to draw and from where, as plain data that can be saved |
 //! | [`scene_file`] | scenes as TOML files, with messages that help |
+//! | [`camera_path`], [`animation`] | a way of the eye through key frames; its pictures as files |
 //! | [`files`] | writing files whole or not at all |
+//! | [`logbook`] | the last messages, for the viewer's log |
 //! | [`gpu`] | the device and what it can do, targets and readback, timing, shader composition |
 //! | [`render`] | the [`Renderer`](render::Renderer), one file per pass with the stem of its shader, the ledger |
 //! | [`report`] | error against run time: the figures, the sweep, tables and plots; the stiff and extreme cases |
@@ -40,12 +42,15 @@
 //! ```
 #![cfg_attr(test, expect(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test may fail loudly"))]
 
+pub mod animation;
 pub mod app;
 pub mod camera;
+pub mod camera_path;
 pub mod cli;
 pub mod files;
 pub mod gpu;
 pub mod heightfield;
+pub mod logbook;
 pub mod render;
 pub mod report;
 pub mod scene;

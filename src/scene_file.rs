@@ -124,7 +124,7 @@ fn files_mut(scene: &mut Scene) -> impl Iterator<Item = &mut PathBuf> {
 }
 
 /// Turns the parser's error into one that names the line and, for an unknown word, the nearest valid one.
-fn explain(path: &Path, text: &str, error: &toml::de::Error) -> SceneFileError {
+pub(crate) fn explain(path: &Path, text: &str, error: &toml::de::Error) -> SceneFileError {
     let path = path.to_path_buf();
     let start = error.span().map_or(0, |span| span.start);
     let line = 1 + text.bytes().take(start).filter(|&byte| byte == b'\n').count();

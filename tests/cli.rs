@@ -12,6 +12,8 @@ mod maps;
 mod others;
 #[path = "cli/outputs.rs"]
 mod outputs;
+#[path = "cli/path.rs"]
+mod path;
 #[path = "cli/readme.rs"]
 mod readme;
 #[path = "cli/render.rs"]

@@ -21,8 +21,12 @@ mod craters;
 mod flying;
 #[path = "window/idle.rs"]
 mod idle;
+#[path = "window/kept.rs"]
+mod kept;
 #[path = "window/keys.rs"]
 mod keys;
+#[path = "window/moving.rs"]
+mod moving;
 #[path = "window/panel.rs"]
 mod panel;
 #[path = "window/scale.rs"]

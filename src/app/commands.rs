@@ -1,6 +1,7 @@
 //! What the panel and the keys ask for.
 
 use std::path::PathBuf;
+use std::time::Instant;
 
 use winit::window::Fullscreen;
 
@@ -18,6 +19,9 @@ impl Viewer {
         self.redraw.invalidate();
         match command {
             Command::Open(path) => self.open(path),
+            Command::GoToBookmark(digit) => self.go_to_bookmark(digit, Instant::now()),
+            Command::SetBookmark(digit) => self.set_bookmark(digit, Instant::now()),
+            Command::Path(command) => self.path_command(graphics, command, Instant::now()),
             Command::View(view) => self.scene.camera = Some(view.camera(&self.map, self.extent())),
             Command::UndoCrater => {
                 self.scene.craters.list.pop();

@@ -3,8 +3,8 @@
 use std::time::{Duration, Instant};
 
 use glam::{DVec2, DVec3};
-use winit::keyboard::KeyCode;
 
+use super::actions::Action;
 use crate::camera::{Camera, MAX_PITCH};
 use crate::heightfield::HeightField;
 
@@ -32,32 +32,6 @@ const TURN_PER_PIXEL: f64 = 0.0018;
 /// A key held while the program was busy must not throw the eye across the map.
 const LONGEST_STEP: Duration = Duration::from_millis(250);
 
-/// What the help page lists: keys, and what they do.
-pub(crate) const BINDINGS: [(&str, &str); 22] = [
-    ("W A S D", "fly forward, left, back, right"),
-    ("E / Q", "fly up / down"),
-    ("Shift / Alt", "four times as fast / a quarter as fast"),
-    ("Wheel", "base speed"),
-    ("Right drag", "look around"),
-    ("Drag the split line", "how much of the picture each of two compared techniques draws"),
-    ("F", "capture the mouse to look around; Esc releases it"),
-    ("Home", "frame the terrain (start view)"),
-    ("C", "make a crater under the cursor, or under the crosshair while the mouse is captured"),
-    ("Ctrl+Z", "take the last crater back"),
-    ("Ctrl+Shift+Backspace", "take all craters back"),
-    ("F1", "this help"),
-    ("F2", "panel"),
-    ("F3", "overlay: frame times, steps, ledger"),
-    ("F11", "full screen"),
-    ("F12", "screenshot: a PNG, and the scene beside it as TOML"),
-    ("Esc", "release the mouse; close this help; dismiss messages"),
-    ("Ctrl+Q", "quit"),
-    ("Tab", "walk through the panel's controls"),
-    ("Ctrl + / −", "larger or smaller panel"),
-    ("Drop a file", "open it as the terrain"),
-    ("Click the picture", "give the keys back to flying after typing in the panel"),
-];
-
 /// A direction the eye can be moved in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Direction {
@@ -72,76 +46,17 @@ pub(crate) enum Direction {
 impl Direction {
     const COUNT: usize = 6;
 
-    /// The direction of a physical key, whatever the keyboard's layout prints on it.
-    pub(crate) fn from_key(key: KeyCode) -> Option<Self> {
-        Some(match key {
-            KeyCode::KeyW => Self::Forward,
-            KeyCode::KeyS => Self::Back,
-            KeyCode::KeyA => Self::Left,
-            KeyCode::KeyD => Self::Right,
-            KeyCode::KeyE => Self::Up,
-            KeyCode::KeyQ => Self::Down,
+    /// The direction that an action moves the eye in.
+    pub(crate) fn of(action: Action) -> Option<Self> {
+        Some(match action {
+            Action::Forward => Self::Forward,
+            Action::Back => Self::Back,
+            Action::Left => Self::Left,
+            Action::Right => Self::Right,
+            Action::Up => Self::Up,
+            Action::Down => Self::Down,
             _ => return None,
         })
-    }
-}
-
-/// What a key does once, when it goes down.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Shortcut {
-    Capture,
-    Escape,
-    FrameTerrain,
-    Crater,
-    UndoCrater,
-    ClearCraters,
-    Help,
-    Panel,
-    Overlay,
-    FullScreen,
-    Screenshot,
-    Quit,
-    /// Destroys the GPU device, to try what a driver's reset would do. Debug builds only.
-    LoseDevice,
-    /// Loses the window's surface, to try what a window system may do. Debug builds only.
-    LoseSurface,
-}
-
-impl Shortcut {
-    /// The shortcut of a physical key with the modifiers that are down. `letter` is what the layout prints on the key:
-    /// undo and quit follow the printed letter where there is one, because that is where every other program has them.
-    pub(crate) fn from_key(key: KeyCode, letter: Option<char>, ctrl: bool, shift: bool) -> Option<Self> {
-        if ctrl {
-            let is = |wanted: char, position: KeyCode| match letter.filter(char::is_ascii_alphabetic) {
-                Some(letter) => letter.eq_ignore_ascii_case(&wanted),
-                None => key == position,
-            };
-            return match key {
-                _ if is('z', KeyCode::KeyZ) && !shift => Some(Self::UndoCrater),
-                _ if is('q', KeyCode::KeyQ) && !shift => Some(Self::Quit),
-                KeyCode::Backspace if shift => Some(Self::ClearCraters),
-                KeyCode::F9 if shift && cfg!(debug_assertions) => Some(Self::LoseDevice),
-                KeyCode::F10 if shift && cfg!(debug_assertions) => Some(Self::LoseSurface),
-                _ => None,
-            };
-        }
-        Some(match key {
-            KeyCode::KeyF => Self::Capture,
-            KeyCode::Escape => Self::Escape,
-            KeyCode::Home => Self::FrameTerrain,
-            KeyCode::KeyC => Self::Crater,
-            KeyCode::F1 => Self::Help,
-            KeyCode::F2 => Self::Panel,
-            KeyCode::F3 => Self::Overlay,
-            KeyCode::F11 => Self::FullScreen,
-            KeyCode::F12 => Self::Screenshot,
-            _ => return None,
-        })
-    }
-
-    /// Whether the key types nothing and edits nothing, so that it works while a field of the panel has the keyboard.
-    pub(crate) fn works_while_typing(self) -> bool {
-        matches!(self, Self::Help | Self::Panel | Self::Overlay | Self::FullScreen | Self::Screenshot | Self::Quit)
     }
 }
 
@@ -220,7 +135,7 @@ impl Fly {
     }
 
     /// World units per second at a height above the ground, with Shift and Alt.
-    fn velocity(&self, height: f64) -> f64 {
+    pub(crate) fn velocity(&self, height: f64) -> f64 {
         let by_height = (height / REFERENCE_HEIGHT).clamp(HEIGHT_FACTORS[0], HEIGHT_FACTORS[1]);
         let by_keys = if self.fast { 4.0 } else { 1.0 } * if self.slow { 0.25 } else { 1.0 };
         self.speed * by_height * by_keys
@@ -330,18 +245,6 @@ mod tests {
         assert!(camera.yaw > 0.0 && camera.yaw < 90.0 && camera.pitch < 0.0);
         look(&mut camera, DVec2::new(-20.0, 1e6));
         assert!(camera.yaw > 270.0 && camera.pitch == -MAX_PITCH);
-    }
-
-    #[test]
-    fn undo_follows_the_printed_letter_and_movement_the_position() {
-        assert_eq!(Shortcut::from_key(KeyCode::KeyY, Some('z'), true, false), Some(Shortcut::UndoCrater), "QWERTZ");
-        assert_eq!(Shortcut::from_key(KeyCode::KeyZ, Some('y'), true, false), None, "QWERTZ");
-        assert_eq!(Shortcut::from_key(KeyCode::KeyZ, Some('я'), true, false), Some(Shortcut::UndoCrater), "Cyrillic");
-        assert_eq!(Shortcut::from_key(KeyCode::KeyC, Some('c'), true, false), None, "Ctrl+C copies, it digs nothing");
-        assert_eq!(Shortcut::from_key(KeyCode::KeyC, Some('c'), false, false), Some(Shortcut::Crater));
-        assert_eq!(Shortcut::from_key(KeyCode::KeyA, Some('q'), true, false), Some(Shortcut::Quit), "AZERTY");
-        assert_eq!(Shortcut::from_key(KeyCode::KeyQ, Some('q'), false, false), None, "Q alone flies down");
-        assert_eq!(Direction::from_key(KeyCode::KeyW), Some(Direction::Forward));
     }
 
     #[test]

@@ -9,7 +9,7 @@ use super::measure::Subject;
 use super::settings::Command;
 use super::status::widgets;
 use super::viewer::{Viewer, visible_part};
-use super::{AppError, controls, overlay, panel};
+use super::{AppError, controls, overlay, panel, welcome};
 use crate::heightfield::HeightField;
 use crate::render::RenderError;
 use crate::scene::{DebugView, Scene};
@@ -97,6 +97,13 @@ impl Viewer {
 
     /// Moves the eye and turns the occluder by the time that has passed.
     fn advance(&mut self, graphics: &Graphics, now: Instant) {
+        #[cfg(feature = "gamepad")]
+        self.advance_by_gamepad(graphics, now);
+        if let Some(camera) = self.journey.at(now) {
+            self.scene.camera = Some(camera);
+            // Once more where it has arrived.
+            self.redraw.invalidate();
+        }
         if self.fly.is_moving() {
             let mut camera = self.camera();
             let height = controls::height_above_ground(self.ground(graphics), self.extent(), camera.eye);
@@ -114,7 +121,7 @@ impl Viewer {
     }
 
     /// The terrain with the craters of the last picture.
-    fn ground<'a>(&'a self, graphics: &'a Graphics) -> &'a HeightField {
+    pub(super) fn ground<'a>(&'a self, graphics: &'a Graphics) -> &'a HeightField {
         graphics.renderer.terrain().map_or(&self.map, |terrain| terrain.field())
     }
 
@@ -135,6 +142,9 @@ impl Viewer {
         if let Some(factor) = self.scale.change_of_zoom(window.scale_factor()) {
             ctx.set_zoom_factor(ctx.zoom_factor() * factor);
         }
+        self.follow_looks();
+        (self.view.path.playing, self.view.path.writing) = (self.journey.is_playing(), self.film.is_some());
+        self.facts.extent = self.extent();
         let input = self.egui.take_egui_input(&window);
         let timestamps = graphics.gpu.capabilities.timestamps;
         self.hint = self.hint.take().filter(|(_, until)| *until > now);
@@ -189,6 +199,7 @@ impl Viewer {
             };
             panel::show(ui, &mut panel);
         }
+        self.view.log.show(ui);
         self.free = ui.available_rect_before_wrap();
         let ctx = ui.ctx().clone();
         let mut boxes = Vec::new();
@@ -207,8 +218,9 @@ impl Viewer {
             overlay::crosshair(&ctx);
         }
         if self.view.help {
-            overlay::help(&ctx, self.free, &mut self.view.help);
+            overlay::help(&ctx, self.free, &self.view.keys, &mut self.view.help);
         }
+        welcome::show(&ctx, self.free, &self.view.keys, &mut self.view.welcome);
         boxes.extend(self.bottom_line(&ctx, drawable, now));
         let names = [drawable.march.technique, drawable.compare.technique];
         overlay::split(ui, &self.scene, names, self.pointer.splitting, &boxes);
@@ -220,7 +232,9 @@ impl Viewer {
         self.says = None;
         let (text, working) = if let Some(path) = self.loader.path() {
             let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
-            (format!("Opening {name} …"), true)
+            (format!("Opening {name} … (Esc cancels)"), true)
+        } else if let Some(film) = &self.film {
+            (film.in_words(), true)
         } else if !self.prepared {
             ("Preparing the first picture …".to_owned(), true)
         } else if let Some(text) = self.compiling_in_words(drawable) {

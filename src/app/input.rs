@@ -5,12 +5,15 @@ use std::time::{Duration, Instant};
 use glam::DVec2;
 use winit::dpi::PhysicalPosition;
 use winit::event::{ElementState, KeyEvent, MouseButton, MouseScrollDelta, WindowEvent};
-use winit::keyboard::{Key, PhysicalKey};
+use winit::keyboard::{Key, KeyCode, NamedKey, PhysicalKey};
 use winit::window::CursorGrabMode;
 
-use super::controls::{Direction, Shortcut, look};
+use super::actions::Action;
+use super::controls::{Direction, look};
 use super::graphics::Graphics;
-use super::settings::Command;
+use super::keys::{self, Press};
+use super::preferences::{Mode, ZOOMS};
+use super::settings::{Command, PathCommand};
 use super::viewer::Viewer;
 use super::{overlay, picking};
 use crate::camera::NamedView;
@@ -31,7 +34,7 @@ impl Viewer {
             event,
             WindowEvent::CursorMoved { .. } | WindowEvent::MouseInput { .. } | WindowEvent::MouseWheel { .. }
         );
-        let repaint = if self.pointer.captured && of_mouse {
+        let repaint = if (self.pointer.captured && of_mouse) || self.is_ours(event) {
             false
         } else {
             let window = self.window.clone();
@@ -47,7 +50,11 @@ impl Viewer {
                 self.redraw.invalidate();
             }
             WindowEvent::Occluded(true) => self.covered = true,
-            WindowEvent::Resized(_) => (self.hidden, self.minimised_until) = (false, None),
+            WindowEvent::Resized(_) => {
+                (self.hidden, self.minimised_until) = (false, None);
+                self.keeper.window_moved();
+            }
+            WindowEvent::Moved(_) => self.keeper.window_moved(),
             WindowEvent::Focused(true) => self.minimised_until = None,
             WindowEvent::ScaleFactorChanged { scale_factor, inner_size_writer } => {
                 self.hidden = false;
@@ -58,7 +65,7 @@ impl Viewer {
             }
             WindowEvent::Focused(false) => {
                 self.fly.release_all();
-                (self.pointer.dragging, self.pointer.splitting) = (false, false);
+                (self.pointer.dragging, self.pointer.splitting, self.pointer.orbiting) = (false, false, None);
                 self.capture(false);
             }
             WindowEvent::ModifiersChanged(modifiers) => {
@@ -66,16 +73,21 @@ impl Viewer {
                 self.fly.set_modifiers(modifiers.state().shift_key(), modifiers.state().alt_key());
             }
             WindowEvent::KeyboardInput { event, is_synthetic, .. } => self.key(graphics, event, *is_synthetic, now),
-            WindowEvent::CursorMoved { position, .. } => self.cursor_moved(*position),
-            WindowEvent::CursorLeft { .. } if !self.pointer.dragging && !self.pointer.splitting => {
+            WindowEvent::CursorMoved { position, .. } => self.cursor_moved(graphics, *position),
+            WindowEvent::CursorLeft { .. } if !self.pointer.is_dragging() => {
                 (self.pointer.cursor, self.pointer.over_egui) = (None, false);
             }
-            WindowEvent::MouseInput { state, button, .. } => self.mouse_button(*state, *button),
+            WindowEvent::MouseInput { state, button, .. } => self.mouse_button(graphics, *state, *button, now),
             WindowEvent::MouseWheel { delta, .. } if self.pointer.captured || self.cursor_is_free() => {
                 let notches = match delta {
                     MouseScrollDelta::LineDelta(_, lines) => f64::from(*lines),
                     MouseScrollDelta::PixelDelta(pixels) => pixels.y / PIXELS_PER_NOTCH,
                 };
+                self.journey.stop();
+                if self.view.mode == Mode::Orbit {
+                    self.approach(graphics, notches);
+                    return;
+                }
                 self.fly.scroll(notches);
                 self.show_hint(format!("Speed {:.3} map widths per second", self.fly.speed), now);
             }
@@ -97,8 +109,8 @@ impl Viewer {
         self.redraw.invalidate();
     }
 
-    /// Says why a key did nothing.
-    fn refuse(&mut self, text: String, now: Instant) {
+    /// Says why a key did nothing, or what it has done that takes a while to read.
+    pub(super) fn refuse(&mut self, text: String, now: Instant) {
         self.hint = Some((text, now + REFUSAL_TIME));
         self.redraw.invalidate();
     }
@@ -110,12 +122,16 @@ impl Viewer {
         self.redraw.invalidate();
     }
 
-    fn cursor_moved(&mut self, position: PhysicalPosition<f64>) {
+    fn cursor_moved(&mut self, graphics: &Graphics, position: PhysicalPosition<f64>) {
         if self.pointer.captured {
             return;
         }
         let cursor = DVec2::new(position.x, position.y);
         let before = self.pointer.cursor.replace(cursor);
+        if self.pointer.orbiting.is_some() {
+            self.turn_around(graphics, cursor - before.unwrap_or(cursor));
+            return;
+        }
         if self.pointer.dragging {
             self.turn(cursor - before.unwrap_or(cursor));
             return;
@@ -157,76 +173,216 @@ impl Viewer {
         f64::from(egui_winit::pixels_per_point(self.egui.egui_ctx(), &self.window))
     }
 
-    fn mouse_button(&mut self, state: ElementState, button: MouseButton) {
+    fn mouse_button(&mut self, graphics: &Graphics, state: ElementState, button: MouseButton, now: Instant) {
         if state == ElementState::Released {
             self.pointer.dragging &= button != MouseButton::Right;
             self.pointer.splitting &= button != MouseButton::Left;
+            if matches!(button, MouseButton::Left | MouseButton::Right) {
+                self.pointer.orbiting = None;
+            }
         } else if !self.pointer.captured && self.cursor_is_free() {
-            self.pointer.dragging |= button == MouseButton::Right;
+            self.journey.stop();
             let on_line = self.pointer.cursor.is_some_and(|cursor| self.is_on_split_line(cursor));
+            let turns = button == MouseButton::Right || (button == MouseButton::Left && !on_line);
             self.pointer.splitting |= button == MouseButton::Left && on_line;
+            match self.view.mode {
+                Mode::Fly => self.pointer.dragging |= button == MouseButton::Right,
+                Mode::Orbit if turns => {
+                    let pivot = self.terrain(graphics).pivot(&self.camera(), graphics.target.size());
+                    self.pointer.orbiting = Some(pivot);
+                }
+                Mode::Orbit => {}
+            }
             // A click on the picture ends typing in the panel.
             self.egui.egui_ctx().memory_mut(|memory| {
                 if let Some(id) = memory.focused() {
                     memory.surrender_focus(id);
                 }
             });
+            if let Some(cursor) = self.pointer.cursor.filter(|_| button == MouseButton::Left && !on_line) {
+                self.clicked(graphics, cursor, now);
+            }
         }
     }
 
+    /// A key with its modifiers.
+    fn press(&self, event: &KeyEvent) -> Option<Press> {
+        let PhysicalKey::Code(key) = event.physical_key else { return None };
+        let letter = match &event.logical_key {
+            Key::Character(text) => text.chars().next(),
+            _ => None,
+        };
+        let modifiers = self.pointer.modifiers;
+        let [ctrl, shift, alt] = [modifiers.control_key(), modifiers.shift_key(), modifiers.alt_key()];
+        Some(Press { key, letter, ctrl, shift, alt })
+    }
+
+    /// Whether a key is ours alone: the one that is being chosen for an action, or one that would set egui's focus going
+    /// while the keyboard flies.
+    fn is_ours(&self, event: &WindowEvent) -> bool {
+        let WindowEvent::KeyboardInput { event, .. } = event else { return false };
+        let pressed = event.state == ElementState::Pressed;
+        let typing = self.egui.egui_ctx().egui_wants_keyboard_input();
+        let walks = event.logical_key == Key::Named(NamedKey::Tab) && !typing;
+        let bound = self.press(event).is_some_and(|press| self.view.keys.action(press).is_some());
+        pressed && (self.view.rebinding.is_some() || (walks && bound))
+    }
+
     fn key(&mut self, graphics: &mut Graphics, event: &KeyEvent, synthetic: bool, now: Instant) {
-        let PhysicalKey::Code(key) = event.physical_key else { return };
-        let direction = Direction::from_key(key);
+        let Some(press) = self.press(event) else { return };
         if event.state == ElementState::Released {
-            if let Some(direction) = direction {
-                self.fly.release(direction, now);
-            }
+            let held: Vec<Direction> = self.view.keys.held(press.key).filter_map(Direction::of).collect();
+            held.into_iter().for_each(|direction| self.fly.release(direction, now));
             return;
         }
         if event.repeat || synthetic {
             return;
         }
-        let modifiers = self.pointer.modifiers;
+        if self.view.keys.learn(press) {
+            self.redraw.invalidate();
+        }
+        if self.view.rebinding.is_some() {
+            self.rebind(press);
+            return;
+        }
         let typing = self.egui.egui_ctx().egui_wants_keyboard_input();
-        let letter = match &event.logical_key {
-            Key::Character(text) => text.chars().next(),
-            _ => None,
-        };
-        let shortcut = Shortcut::from_key(key, letter, modifiers.control_key(), modifiers.shift_key());
-        match (shortcut, direction) {
-            (Some(shortcut), _) if !typing || shortcut.works_while_typing() => self.shortcut(graphics, shortcut, now),
-            (_, Some(direction)) if !typing && !modifiers.control_key() && !modifiers.super_key() => {
+        if press.key == KeyCode::Escape {
+            if !typing {
+                self.escape(now);
+            }
+            return;
+        }
+        if let Some(digit) = keys::bookmark_of(press.chord().key).filter(|_| !typing) {
+            let command = if press.ctrl { Command::SetBookmark(digit) } else { Command::GoToBookmark(digit) };
+            self.execute(graphics, command);
+            return;
+        }
+        if cfg!(debug_assertions) && press.ctrl && press.shift {
+            match press.key {
+                KeyCode::F9 => return self.lose_device(graphics),
+                KeyCode::F10 => return graphics.lose_surface(),
+                _ => {}
+            }
+        }
+        let Some(action) = self.view.keys.action(press) else { return };
+        let types_nothing = action.entry().while_typing && press.chord().types_nothing();
+        if typing && !types_nothing {
+            return;
+        }
+        match Direction::of(action) {
+            Some(_) if self.pointer.modifiers.super_key() => {}
+            Some(direction) => {
+                self.journey.stop();
                 self.fly.press(direction, now);
             }
-            _ => {}
+            None => self.act(graphics, action, now),
         }
     }
 
-    fn shortcut(&mut self, graphics: &mut Graphics, shortcut: Shortcut, now: Instant) {
+    /// Gives the action that waits for it its new key.
+    fn rebind(&mut self, press: Press) {
+        const MODIFIERS: [KeyCode; 8] = [
+            KeyCode::ControlLeft,
+            KeyCode::ControlRight,
+            KeyCode::ShiftLeft,
+            KeyCode::ShiftRight,
+            KeyCode::AltLeft,
+            KeyCode::AltRight,
+            KeyCode::SuperLeft,
+            KeyCode::SuperRight,
+        ];
+        let Some(action) = self.view.rebinding.filter(|_| !MODIFIERS.contains(&press.key)) else { return };
         self.redraw.invalidate();
-        match shortcut {
-            Shortcut::Capture => self.capture(!self.pointer.captured),
-            Shortcut::Escape if self.pointer.captured => self.capture(false),
-            Shortcut::Escape if self.view.help => self.view.help = false,
-            Shortcut::Escape => {
-                self.toasts.dismiss_errors();
-            }
-            Shortcut::FrameTerrain => self.execute(graphics, Command::View(NamedView::Start)),
-            Shortcut::Crater => self.crater(graphics, now),
-            Shortcut::UndoCrater => self.execute(graphics, Command::UndoCrater),
-            Shortcut::ClearCraters => self.execute(graphics, Command::ClearCraters),
-            Shortcut::Help => self.view.help = !self.view.help,
-            Shortcut::Panel => self.view.panel = !self.view.panel,
-            Shortcut::Overlay => self.view.overlay = !self.view.overlay,
-            Shortcut::FullScreen => self.execute(graphics, Command::FullScreen),
-            Shortcut::Screenshot => self.execute(graphics, Command::Screenshot),
-            Shortcut::Quit => self.quit = true,
-            Shortcut::LoseDevice => {
-                self.drawn = None;
-                graphics.gpu.device.destroy();
-            }
-            Shortcut::LoseSurface => graphics.lose_surface(),
+        (self.view.rebinding, self.view.refused) = (None, None);
+        if press.key == KeyCode::Escape {
+            return;
         }
+        let plain_backspace = press.key == KeyCode::Backspace && !press.ctrl && !press.shift;
+        let chord = (!plain_backspace).then(|| press.chord());
+        if let Err(error) = self.view.keys.bind(action, chord) {
+            self.toasts.error(&error.to_string());
+            self.view.refused = Some((action, error.to_string()));
+        }
+    }
+
+    /// What Esc does: the first of these that there is something to do for.
+    fn escape(&mut self, now: Instant) {
+        self.redraw.invalidate();
+        if self.pointer.captured {
+            self.capture(false);
+        } else if self.view.welcome {
+            self.view.welcome = false;
+        } else if self.view.help {
+            self.view.help = false;
+        } else if self.journey.stop() {
+            // It stays where it is.
+        } else if self.film.is_some() {
+            self.cancel_export(now);
+        } else if let Some(path) = self.loader.cancel() {
+            self.toasts.info(&format!("{} is not opened; the old terrain stays.", path.display()), now);
+        } else {
+            self.toasts.dismiss_errors();
+        }
+    }
+
+    fn act(&mut self, graphics: &mut Graphics, action: Action, now: Instant) {
+        self.redraw.invalidate();
+        if action != Action::PlayPath {
+            self.journey.stop();
+        }
+        let zoomed = |zoom: f32, by: f32| ((zoom + by) * 10.0).round() / 10.0;
+        match action {
+            Action::Capture => self.capture(!self.pointer.captured),
+            Action::FrameTerrain => self.execute(graphics, Command::View(NamedView::Start)),
+            Action::Orbit => self.toggle_mode(now),
+            Action::KeyFrame => self.path_command(graphics, PathCommand::Add, now),
+            Action::RemoveKeyFrame => self.path_command(graphics, PathCommand::RemoveLast, now),
+            Action::PlayPath => self.path_command(graphics, PathCommand::Play, now),
+            Action::Crater => self.crater(graphics, now),
+            Action::UndoCrater => self.execute(graphics, Command::UndoCrater),
+            Action::ClearCraters => self.execute(graphics, Command::ClearCraters),
+            Action::Help => self.view.help = !self.view.help,
+            Action::Panel => self.view.panel = !self.view.panel,
+            Action::Overlay => self.view.overlay = !self.view.overlay,
+            Action::Log => self.view.log.open = !self.view.log.open,
+            Action::FocusPanel => self.focus_panel(),
+            Action::ZoomIn => self.zoom_to(zoomed(self.view.zoom, 0.1), now),
+            Action::ZoomOut => self.zoom_to(zoomed(self.view.zoom, -0.1), now),
+            Action::ZoomReset => self.zoom_to(1.0, now),
+            Action::FullScreen => self.execute(graphics, Command::FullScreen),
+            Action::Screenshot => self.execute(graphics, Command::Screenshot),
+            Action::Quit => self.quit = true,
+            // These are held: `key` has seen to them.
+            Action::Forward | Action::Back | Action::Left | Action::Right | Action::Up | Action::Down => {}
+        }
+    }
+
+    fn zoom_to(&mut self, zoom: f32, now: Instant) {
+        self.view.zoom = zoom.clamp(*ZOOMS.start(), *ZOOMS.end());
+        self.show_hint(format!("Panel and text at {:.0} %", self.view.zoom * 100.0), now);
+    }
+
+    /// Gives the keyboard to the panel's first control, or back to flying.
+    fn focus_panel(&mut self) {
+        let focused = self.egui.egui_ctx().memory(egui::Memory::focused);
+        if let Some(id) = focused {
+            self.egui.egui_ctx().memory_mut(|memory| memory.surrender_focus(id));
+            return;
+        }
+        self.view.panel = true;
+        self.fly.release_all();
+        let events = &mut self.egui.egui_input_mut().events;
+        for pressed in [true, false] {
+            let (key, modifiers) = (egui::Key::Tab, egui::Modifiers::NONE);
+            events.push(egui::Event::Key { key, physical_key: None, pressed, repeat: false, modifiers });
+        }
+    }
+
+    /// Destroys the GPU device, to try what a driver's reset would do. Debug builds only.
+    fn lose_device(&mut self, graphics: &Graphics) {
+        self.drawn = None;
+        self.redraw.invalidate();
+        graphics.gpu.device.destroy();
     }
 
     /// Makes a crater under the cursor, or under the crosshair while the mouse is captured.
@@ -261,7 +417,7 @@ impl Viewer {
                 self.toasts.error(&format!("The mouse cannot be captured: {error}. Look around by dragging instead."));
                 return;
             }
-            self.pointer.dragging = false;
+            (self.pointer.dragging, self.pointer.orbiting) = (false, None);
             self.egui.egui_input_mut().events.push(egui::Event::PointerGone);
         } else {
             // Both fail only where capturing has failed before.

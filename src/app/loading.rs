@@ -68,6 +68,11 @@ impl Loader {
         self.job.as_ref().map(|job| job.path.as_path())
     }
 
+    /// Gives up the map being opened. Says which it was.
+    pub(crate) fn cancel(&mut self) -> Option<PathBuf> {
+        self.job.take().map(|job| job.path.clone())
+    }
+
     /// The map or the message, once, as soon as there is one.
     pub(crate) fn poll(&mut self) -> Option<Result<Opened, String>> {
         let job = self.job.as_ref()?;

@@ -11,29 +11,44 @@
 //! | `window` | the event loop: what the window system sends, and when it is asked to come back |
 //! | `viewer` | the state of the viewer, loading, shader reload, lost devices |
 //! | `commands`, `input` | what the panel asks for; keys, mouse and dropped files |
+//! | `actions`, `keys` | the table of what keys do; which key does what |
+//! | `preferences`, `keeping`, `desktop` | what is kept between runs; taking it up and writing it; what the desktop asks for |
+//! | `orbit`, `journey`, `filming` | turning around a point; bookmarks and camera paths; a path as an animation |
 //! | `frame` | one frame: fly, run the panel, draw the scene if it changed, present |
 //! | `graphics`, `surface`, `scale` | what lives on the GPU; the surface's life; the monitor's scale |
 //! | `controls`, `picking`, `redraw` | the fly camera, the crater under the cursor, when a frame is due: no window needed |
-//! | `settings`, `panel`, `overlay`, `toasts` | what egui draws |
+//! | `settings`, `panel`, `overlay`, `toasts`, `log_pane`, `welcome` | what egui draws |
+//! | `gamepad` | sticks; only with the feature of that name |
 //! | `measure`, `tradeoff` | frame times and steps per ray; error against time of the techniques |
 //! | `errors` | what the viewer does with those of techniques |
 //! | `reference`, `cones` | the f64 reference of the error view, and cone maps, on threads of their own |
 //! | `compiling` | pipelines, on a thread of their own, and what draws meanwhile |
 //! | `loading`, `screenshot`, `status`, `watch` | files: maps, pictures, state for automated tests, shaders |
 
+mod actions;
 mod commands;
 mod compiling;
 mod cones;
 mod controls;
+mod desktop;
 mod errors;
+mod filming;
 mod frame;
+#[cfg(any(test, feature = "gamepad"))]
+mod gamepad;
 mod graphics;
 mod input;
+mod journey;
+mod keeping;
+mod keys;
 mod loading;
+mod log_pane;
 mod measure;
+mod orbit;
 mod overlay;
 mod panel;
 mod picking;
+mod preferences;
 mod redraw;
 mod reference;
 mod scale;
@@ -45,6 +60,7 @@ mod toasts;
 mod tradeoff;
 mod viewer;
 mod watch;
+mod welcome;
 mod window;
 
 use std::path::PathBuf;
@@ -74,6 +90,8 @@ pub struct ViewerOptions {
     pub status: Option<PathBuf>,
     /// The folder that screenshots are written to.
     pub screenshots: PathBuf,
+    /// Forget the settings of earlier runs; their file is put aside.
+    pub reset_settings: bool,
 }
 
 impl ViewerOptions {
@@ -87,6 +105,7 @@ impl ViewerOptions {
             size: None,
             status: None,
             screenshots: PathBuf::from("."),
+            reset_settings: false,
         }
     }
 }

@@ -6,7 +6,8 @@ use egui::{
     Shape, Stroke, StrokeKind, TextWrapMode, Ui, Vec2, pos2, vec2,
 };
 
-use super::controls::BINDINGS;
+use super::actions::{ACTIONS, FIXED};
+use super::keys::KeyMap;
 use super::measure::{FRAMES, FrameTimes, Steps};
 use crate::render::{COVERS_SKY, ERROR_DECADES, Ledger, SEE_THROUGH, SKY_BOTH, heat_map_colour};
 use crate::scene::{Scene, Technique};
@@ -232,7 +233,7 @@ pub(crate) fn hint(ctx: &Context, free: Rect, text: &str, working: bool) -> Rect
 }
 
 /// The keys, in the middle of the part that the panel leaves free.
-pub(crate) fn help(ctx: &Context, free: Rect, open: &mut bool) {
+pub(crate) fn help(ctx: &Context, free: Rect, keys: &KeyMap, open: &mut bool) {
     // Offered the whole screen at any time, it takes what its contents need: egui's own offer is 340 points wide, and
     // remembered when the screen grows. In a small one the rest is scrolled to.
     let room = (ctx.content_rect().size() - vec2(40.0, 70.0)).max(Vec2::ZERO);
@@ -241,14 +242,24 @@ pub(crate) fn help(ctx: &Context, free: Rect, open: &mut bool) {
     window.show(ctx, |ui| {
         ScrollArea::both().max_width(room.x).max_height(room.y).show(ui, |ui| {
             ui.style_mut().wrap_mode = Some(TextWrapMode::Extend);
-            Grid::new("bindings").num_columns(2).striped(true).show(ui, |ui| {
-                for (keys, meaning) in BINDINGS {
-                    ui.strong(keys);
-                    ui.label(meaning);
-                    ui.end_row();
-                }
+            ui.horizontal_top(|ui| {
+                let chosen = ACTIONS.iter().map(|entry| (keys.shown(entry.action), entry.does));
+                bindings(ui, "keys", chosen);
+                ui.add_space(16.0);
+                bindings(ui, "fixed", FIXED.iter().map(|(input, does)| ((*input).to_owned(), *does)));
             });
         });
+    });
+}
+
+/// A table of inputs and what they do.
+fn bindings(ui: &mut Ui, name: &str, rows: impl Iterator<Item = (String, &'static str)>) {
+    Grid::new(name).num_columns(2).striped(true).show(ui, |ui| {
+        for (input, does) in rows {
+            ui.strong(input);
+            ui.label(does);
+            ui.end_row();
+        }
     });
 }
 
@@ -316,7 +327,8 @@ mod tests {
             let screen = Rect::from_min_size(Pos2::ZERO, vec2(width, height));
             let time = Some(pass as f64);
             let input = egui::RawInput { screen_rect: Some(screen), time, ..Default::default() };
-            ctx.run_ui(input, |ui| help(ui.ctx(), screen, &mut open)).drop_without_applying_deltas();
+            ctx.run_ui(input, |ui| help(ui.ctx(), screen, &KeyMap::default(), &mut open))
+                .drop_without_applying_deltas();
         }
         ctx.memory(|memory| memory.area_rect(Id::unique("help"))).expect("the help is open")
     }

@@ -1,9 +1,16 @@
 //! What the viewer itself remembers besides the scene: which parts of the interface show, and how frames are paced.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use glam::DVec3;
+
+use super::actions::Action;
+use super::keys::KeyMap;
+use super::log_pane::LogPane;
+use super::preferences::{Bookmarks, Mode, Motion, Theme};
 use crate::camera::NamedView;
+use crate::camera_path::CameraPath;
 use crate::heightfield::HeightField;
 use crate::render::Ledger;
 use crate::scene::Scene;
@@ -27,6 +34,30 @@ pub(crate) struct ViewSettings {
     pub(crate) frame_limit: u32,
     /// What stands in the panel's path fields.
     pub(crate) paths: PathFields,
+    /// Dark or light.
+    pub(crate) theme: Theme,
+    /// Whether the eye glides.
+    pub(crate) motion: Motion,
+    /// Size of panel and text.
+    pub(crate) zoom: f32,
+    /// The words for who is here for the first time show.
+    pub(crate) welcome: bool,
+    /// The log, and whether it shows.
+    pub(crate) log: LogPane,
+    /// What drags and the wheel do.
+    pub(crate) mode: Mode,
+    /// Which key does what.
+    pub(crate) keys: KeyMap,
+    /// The action that waits for its new key.
+    pub(crate) rebinding: Option<Action>,
+    /// Why the last key that was chosen is not the action's.
+    pub(crate) refused: Option<(Action, String)>,
+    /// The views that 1 to 9 go to.
+    pub(crate) bookmarks: Bookmarks,
+    /// The camera path, and what is done with it.
+    pub(crate) path: PathEditor,
+    /// The point that was typed to be looked at; another one once the eye looks elsewhere.
+    pub(crate) target: Option<DVec3>,
 }
 
 impl Default for ViewSettings {
@@ -40,8 +71,83 @@ impl Default for ViewSettings {
             vsync: true,
             frame_limit: 0,
             paths: PathFields::default(),
+            theme: Theme::default(),
+            motion: Motion::default(),
+            zoom: 1.0,
+            welcome: false,
+            log: LogPane::default(),
+            mode: Mode::default(),
+            keys: KeyMap::default(),
+            rebinding: None,
+            refused: None,
+            bookmarks: Bookmarks::default(),
+            path: PathEditor::default(),
+            target: None,
         }
     }
+}
+
+/// The camera path in the panel.
+#[derive(Clone, Debug)]
+pub(crate) struct PathEditor {
+    pub(crate) path: CameraPath,
+    /// Its file, as typed.
+    pub(crate) file: String,
+    /// The file that it was last written to or read from, which may be written again.
+    pub(crate) saved: Option<PathBuf>,
+    /// The animation's file or folder, as typed.
+    pub(crate) output: String,
+    /// The animation's pictures per second.
+    pub(crate) per_second: u32,
+    /// Their size in pixels.
+    pub(crate) size: [u32; 2],
+    /// It is being played.
+    pub(crate) playing: bool,
+    /// It is being written.
+    pub(crate) writing: bool,
+}
+
+impl Default for PathEditor {
+    fn default() -> Self {
+        Self {
+            path: CameraPath::default(),
+            file: "relief-path.toml".into(),
+            saved: None,
+            output: "relief-path.png".into(),
+            per_second: 30,
+            size: [1280, 720],
+            playing: false,
+            writing: false,
+        }
+    }
+}
+
+impl PathEditor {
+    /// Whether a file is the path's own, so that it may be written again.
+    pub(crate) fn owns(&self, file: &Path) -> bool {
+        self.saved.as_deref() == Some(file)
+    }
+}
+
+/// What is done with the camera path.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum PathCommand {
+    /// Record the eye.
+    Add,
+    /// Remove the last key frame.
+    RemoveLast,
+    /// Remove all.
+    Clear,
+    /// Play it, or stop.
+    Play,
+    /// Write it to the file that is typed.
+    Save,
+    /// Read it from there.
+    Load,
+    /// Write its pictures.
+    Export,
+    /// Stop that.
+    CancelExport,
 }
 
 /// Text being typed in the panel; it counts once its button is pressed.
@@ -87,6 +193,12 @@ pub(crate) enum Command {
     MeasureTradeoff,
     /// Forget what was measured.
     ForgetTradeoff,
+    /// Go to a bookmark, 1 to 9.
+    GoToBookmark(usize),
+    /// Set a bookmark, 1 to 9.
+    SetBookmark(usize),
+    /// Something about the camera path.
+    Path(PathCommand),
 }
 
 /// What the panel shows but cannot change.
@@ -100,6 +212,8 @@ pub(crate) struct Facts {
     pub(crate) range: [f64; 2],
     /// Horizontal extent in metres, where it is known.
     pub(crate) extent_metres: Option<[f64; 2]>,
+    /// The box as it is drawn, world units.
+    pub(crate) extent: DVec3,
     /// Height of the box at the map's own proportion, world units.
     pub(crate) true_height_scale: f64,
     /// The map itself, without craters.
@@ -123,6 +237,7 @@ impl Facts {
             samples: [map.width(), map.height()],
             range: map.range(),
             extent_metres: map.extent_metres(),
+            extent: own,
             true_height_scale: own.y,
             map: Arc::clone(map),
             filterable_heights: gpu.capabilities.filters_heights(map.units().filter(|_| map.holes().is_none()), false),

@@ -9,6 +9,7 @@ use egui::accesskit::{Action, Affine, Node, NodeId, Role, Toggled, TreeUpdate};
 use serde::Serialize;
 
 use super::graphics::Graphics;
+use super::preferences::Mode;
 use super::redraw::Next;
 use super::viewer::Viewer;
 use crate::render::Ledger;
@@ -42,6 +43,22 @@ pub(crate) struct Status<'a> {
     pub(crate) full_screen: bool,
     /// Base speed in map widths per second.
     pub(crate) speed: f64,
+    /// What drags and the wheel do.
+    pub(crate) mode: Mode,
+    /// The interface is dark.
+    pub(crate) dark: bool,
+    /// The user's zoom of panel and text.
+    pub(crate) zoom: f32,
+    /// The log shows.
+    pub(crate) log: bool,
+    /// Something of egui has the keyboard.
+    pub(crate) typing: bool,
+    /// The eye goes by itself.
+    pub(crate) under_way: bool,
+    /// Key frames of the camera path.
+    pub(crate) key_frames: usize,
+    /// Pictures of the path are being written.
+    pub(crate) filming: bool,
     /// Everything the picture depends on, the camera included.
     pub(crate) scene: &'a Scene,
     /// What the last frame cost.
@@ -198,6 +215,14 @@ impl Viewer {
             overlay: self.view.overlay,
             full_screen: self.window.fullscreen().is_some(),
             speed: self.fly.speed,
+            mode: self.view.mode,
+            dark: self.egui.egui_ctx().global_style().visuals.dark_mode,
+            zoom: self.view.zoom,
+            log: self.view.log.open,
+            typing: self.egui.egui_ctx().egui_wants_keyboard_input(),
+            under_way: self.journey.is_under_way(),
+            key_frames: self.view.path.path.frames.len(),
+            filming: self.film.is_some(),
             scene: &self.scene,
             ledger: graphics.renderer.ledger(),
             frame_ms: Times { median: self.meter.times.quantile(0.5), p99: self.meter.times.quantile(0.99) },
@@ -233,7 +258,11 @@ impl Viewer {
             || self.cones.is_busy()
             || self.compiler.is_busy()
             || self.tradeoff.progress().is_some();
-        let working = self.saving || self.wants_screenshot || self.reload_at.is_some() || self.loader.path().is_some();
+        let working = self.film.is_some()
+            || self.saving
+            || self.wants_screenshot
+            || self.reload_at.is_some()
+            || self.loader.path().is_some();
         !(drawing || measuring || working)
     }
 }
@@ -307,6 +336,14 @@ mod tests {
                 overlay: true,
                 full_screen: false,
                 speed: 0.3,
+                mode: Mode::Fly,
+                dark: true,
+                zoom: 1.0,
+                log: false,
+                typing: false,
+                under_way: false,
+                key_frames: 0,
+                filming: false,
                 scene: &scene,
                 ledger: &ledger,
                 frame_ms: Times { median: None, p99: None },

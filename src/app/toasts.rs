@@ -7,6 +7,8 @@ use egui::accesskit::{Live, Role};
 use egui::{Color32, Context, Id};
 use egui_notify::{Anchor, Toast, ToastLevel, Toasts as Stack};
 
+use crate::logbook;
+
 /// How long a message that only informs stays.
 const LIFETIME: Duration = Duration::from_secs(6);
 
@@ -40,6 +42,7 @@ impl Default for Toasts {
 impl Toasts {
     /// Tells that something went well.
     pub(crate) fn info(&mut self, message: &str, now: Instant) {
+        logbook::note(log::Level::Info, "viewer", message);
         self.add_passing(message, ToastLevel::Info, now);
     }
 
@@ -52,6 +55,7 @@ impl Toasts {
     /// Tells that something failed. It stays on screen until it is dismissed, so the terminal need not repeat it.
     pub(crate) fn error(&mut self, message: &str) {
         log::debug!("{message}");
+        logbook::note(log::Level::Error, "viewer", message);
         self.remember(message);
         let level = ToastLevel::Custom("⚠".into(), Color32::from_rgb(230, 90, 80));
         self.staying.add(toast(message, level));

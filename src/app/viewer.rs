@@ -12,8 +12,11 @@ use winit::window::Window;
 use super::compiling::Compiler;
 use super::cones::ConeFinder;
 use super::controls::{Fly, ground_below};
+use super::filming::Film;
 use super::frame::FrameError;
 use super::graphics::Graphics;
+use super::journey::Journey;
+use super::keeping::Keeper;
 use super::loading::{Loader, Opened};
 use super::measure::{Meter, Steps};
 use super::redraw::{Next, Redraw};
@@ -24,7 +27,7 @@ use super::status::{StatusFile, Widget};
 use super::toasts::Toasts;
 use super::tradeoff::Tradeoff;
 use super::window::UserEvent;
-use super::{ViewerOptions, watch};
+use super::{ViewerOptions, desktop, watch};
 use crate::camera::{Camera, NamedView};
 use crate::heightfield::HeightField;
 use crate::render::RenderError;
@@ -32,6 +35,9 @@ use crate::scene::{CraterSettings, Scene};
 
 /// Saving a file makes several events; shaders are read once they have been quiet for so long.
 const SHADER_PAUSE: Duration = Duration::from_millis(120);
+
+/// How often new messages show in the log.
+const LOG_PAUSE: Duration = Duration::from_millis(200);
 
 /// A device lost again within this time is not worth another try.
 const RECOVERY_PAUSE: Duration = Duration::from_secs(5);
@@ -43,6 +49,8 @@ pub(super) struct Pointer {
     pub(super) cursor: Option<DVec2>,
     /// The right button is down and looks around.
     pub(super) dragging: bool,
+    /// A button is down and turns the eye around this point.
+    pub(super) orbiting: Option<DVec3>,
     /// The left button is down and drags the split line.
     pub(super) splitting: bool,
     /// The mouse is captured and looks around.
@@ -51,6 +59,13 @@ pub(super) struct Pointer {
     pub(super) over_egui: bool,
     /// Shift, Control, Alt.
     pub(super) modifiers: ModifiersState,
+}
+
+impl Pointer {
+    /// Whether a button is held that the picture hears of, wherever the cursor goes.
+    pub(super) fn is_dragging(&self) -> bool {
+        self.dragging || self.splitting || self.orbiting.is_some()
+    }
 }
 
 /// The viewer behind its window.
@@ -62,6 +77,12 @@ pub(crate) struct Viewer {
     pub(super) scene: Scene,
     pub(super) view: ViewSettings,
     pub(super) fly: Fly,
+    pub(super) journey: Journey,
+    /// The camera path's pictures are being written.
+    pub(super) film: Option<Film>,
+    pub(super) keeper: Keeper,
+    #[cfg(feature = "gamepad")]
+    pub(super) gamepads: super::gamepad::Gamepads,
     pub(super) facts: Facts,
     pub(super) pointer: Pointer,
     pub(super) toasts: Toasts,
@@ -123,9 +144,11 @@ impl Viewer {
         graphics: &Graphics,
         event_loop: &ActiveEventLoop,
         proxy: EventLoopProxy<UserEvent>,
+        keeper: Keeper,
     ) -> Self {
         let ctx = egui::Context::default();
-        ctx.set_theme(egui::Theme::Dark);
+        // The size of text is an action of ours, so that it has a key of the user's choice and is kept.
+        ctx.options_mut(|options| options.zoom_with_keyboard = false);
         if options.status.is_some() {
             ctx.enable_accesskit();
         }
@@ -149,6 +172,11 @@ impl Viewer {
             view: ViewSettings { paths: PathFields::of(&options.scene), ..ViewSettings::default() },
             scene: options.scene,
             fly: Fly::default(),
+            journey: Journey::default(),
+            film: None,
+            keeper,
+            #[cfg(feature = "gamepad")]
+            gamepads: Default::default(),
             pointer: Pointer::default(),
             toasts: Toasts::default(),
             loader: Loader::default(),
@@ -192,8 +220,19 @@ impl Viewer {
         for warning in options.warnings {
             viewer.toasts.warning(&warning, now);
         }
+        viewer.restore();
+        let proxy = viewer.proxy.clone();
+        desktop::ask(move |wishes| {
+            // Fails only when the event loop is gone, and with it whoever could be told.
+            let _ = proxy.send_event(UserEvent::Wishes(wishes));
+        });
         viewer.redraw.invalidate();
         viewer
+    }
+
+    /// Tells what went wrong before there was a window.
+    pub(crate) fn tell(&mut self, messages: &[String]) {
+        messages.iter().for_each(|message| self.toasts.error(message));
     }
 
     /// The window.
@@ -238,9 +277,18 @@ impl Viewer {
                 (next, _) => next,
             }
         };
+        #[cfg(feature = "gamepad")]
+        let frame = frame.or(self.gamepads.next(now));
         let reload = self.reload_at.map_or(Next::Never, Next::At);
         let tradeoff = if self.may_measure_tradeoff() { Next::At(now) } else { Next::Never };
-        frame.or(reload).or(tradeoff).or(self.reference.next()).or(self.meter.next(now, self.measures_steps()))
+        let film = self.film.as_ref().map_or(Next::Never, |film| film.next(now));
+        frame
+            .or(reload)
+            .or(film)
+            .or(self.keeper.next())
+            .or(tradeoff)
+            .or(self.reference.next())
+            .or(self.meter.next(now, self.measures_steps()))
     }
 
     /// Whether nobody sees the window, as far as one is told: covered by others, or with no surface to draw to.
@@ -250,7 +298,7 @@ impl Viewer {
 
     /// Whether every frame shows another picture than the last.
     pub(super) fn moves(&self) -> bool {
-        self.fly.is_moving() || self.spins()
+        self.fly.is_moving() || self.journey.is_under_way() || self.spins()
     }
 
     /// Whether steps per ray are wanted, and there is a picture to measure them for. What is being compiled may be for them.
@@ -293,6 +341,16 @@ impl Viewer {
         if self.may_measure_tradeoff() {
             self.measure_tradeoff(graphics)?;
         }
+        #[cfg(feature = "gamepad")]
+        if matches!(self.gamepads.next(now), Next::At(at) if at <= now) && self.gamepads.look(now) {
+            self.journey.stop();
+            self.redraw.invalidate();
+        }
+        self.follow_film(graphics, now)?;
+        if self.view.log.is_stale() {
+            self.redraw.wake_at(now + LOG_PAUSE);
+        }
+        self.keep(now);
         // The numbers on screen are of the frame before.
         if self.meter.collect_times(|| graphics.renderer.take_frame_time(), now)
             && (self.view.overlay || self.view.panel)
@@ -336,6 +394,9 @@ impl Viewer {
         self.scene.occluder.position = None;
         self.scene.camera = Some(NamedView::Start.camera(&self.map, self.extent()));
         (self.drawn, self.shown, self.last_good) = (None, None, None);
+        self.journey.stop();
+        self.film = None;
+        self.take_up_bookmarks();
         // Its picture may need other pipelines, as that of a first map with holes does: said before they are waited for.
         let size = graphics.target.size();
         self.prepared = graphics.renderer.missing_pipelines(&self.scene, size, false).is_none();
@@ -383,6 +444,7 @@ impl Viewer {
             UserEvent::Cones => {}
             // And the pipelines.
             UserEvent::Compiled => {}
+            UserEvent::Wishes(wishes) => self.keeper.set_wishes(wishes),
             UserEvent::ShadersChanged => self.reload_at = Some(now + SHADER_PAUSE),
             UserEvent::Screenshot(result) => {
                 self.saving = false;
@@ -412,6 +474,7 @@ impl Viewer {
         self.reference.forget();
         self.cones.forget();
         self.tradeoff.forget();
+        self.film = None;
         send_textures_again(self.egui.egui_ctx());
         let message = format!("The GPU device was lost ({lost}) and has been set up again.");
         self.toasts.warning(&message, Instant::now());

@@ -12,8 +12,11 @@ use winit::event::{DeviceEvent, DeviceId, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoopProxy};
 use winit::window::{Window, WindowId};
 
+use super::desktop::Wishes;
 use super::frame::FrameError;
 use super::graphics::Graphics;
+use super::keeping::{self, Keeper};
+use super::preferences::Store;
 use super::redraw::Next;
 use super::viewer::Viewer;
 use super::{AppError, ViewerOptions};
@@ -36,6 +39,8 @@ pub(crate) enum UserEvent {
     Compiled,
     /// A shader was saved.
     ShadersChanged,
+    /// The desktop has answered what it asks of programs.
+    Wishes(Wishes),
     /// A screenshot was written, or could not be.
     Screenshot(Result<PathBuf, String>),
 }
@@ -68,14 +73,17 @@ impl App {
     fn open(&self, event_loop: &ActiveEventLoop, options: ViewerOptions) -> Result<(Viewer, Graphics), AppError> {
         // Hidden until the accessibility adapter is there, which must come before the window shows.
         let attributes = Window::default_attributes().with_title("Relief").with_visible(false);
+        let (store, kept, told) = Store::open(options.reset_settings);
         let attributes = match options.size {
             Some([width, height]) => attributes.with_inner_size(PhysicalSize::new(width, height)),
-            None => attributes.with_inner_size(SIZE),
+            None => keeping::placed(attributes.with_inner_size(SIZE), &kept.window, event_loop),
         };
         let window = event_loop.create_window(attributes).map_err(|error| AppError::Window(error.to_string()))?;
         let window = Arc::new(window);
-        let graphics = Graphics::new(&window, options.map.clone(), true)?;
-        let viewer = Viewer::new(options, window.clone(), &graphics, event_loop, self.proxy.clone());
+        let graphics = Graphics::new(&window, options.map.clone(), kept.pace.vsync)?;
+        let keeper = Keeper::new(store, kept);
+        let mut viewer = Viewer::new(options, window.clone(), &graphics, event_loop, self.proxy.clone(), keeper);
+        viewer.tell(&told);
         window.set_visible(true);
         window.request_redraw();
         Ok((viewer, graphics))
@@ -176,7 +184,8 @@ impl ApplicationHandler<UserEvent> for App {
 
     fn exiting(&mut self, _event_loop: &ActiveEventLoop) {
         // The surface must go before the window, and both before the event loop.
-        if let Some((viewer, graphics)) = self.open.take() {
+        if let Some((mut viewer, graphics)) = self.open.take() {
+            viewer.keep_now();
             drop(graphics);
             drop(viewer);
         }

@@ -42,6 +42,7 @@ Examples:
   relief render -o split.png --technique max-mipmap --compare linear-binary@0.4 --samples 32
   relief render -o wrong.png --technique linear-binary --samples 64..256 --debug error
   relief render -o holes.png --crater 0.4,0.5 --crater 0.6,0.5,0.05,0.4,0.1
+  relief render --path flight.toml --frames-per-second 30 -o flight.png      an animated PNG; -o flight a folder of PNGs
 
 Defaults come first, then the scene file, then the options given here.";
 
@@ -118,6 +119,9 @@ pub(crate) struct ViewArgs {
     /// Where the start view goes when there is no display
     #[arg(short, long, value_name = "FILE", default_value = "relief-view.png")]
     pub(crate) output: PathBuf,
+    /// Start with the settings, keys, bookmarks and window of a first start; those of earlier runs are put aside
+    #[arg(long)]
+    pub(crate) reset_settings: bool,
     /// Writes the viewer's state as JSON after every frame, for automated tests
     #[arg(long, value_name = "FILE")]
     pub(crate) status: Option<PathBuf>,
@@ -127,9 +131,17 @@ pub(crate) struct ViewArgs {
 pub(crate) struct RenderArgs {
     #[command(flatten)]
     pub(crate) scene: SceneArgs,
-    /// The picture, a PNG
+    /// The picture, a PNG. With --path an animated PNG (.png, .apng), or a folder for one PNG each
     #[arg(short, long, value_name = "OUT.png", help_heading = "Output")]
     pub(crate) output: PathBuf,
+    /// Draw the pictures of a camera path (TOML), as the viewer records and saves it
+    #[arg(long, value_name = "PATH.toml", value_parser = parse::input_file(), help_heading = "Output",
+        conflicts_with_all = ["depth", "stats", "view", "eye", "target", "fov"])]
+    pub(crate) path: Option<PathBuf>,
+    /// Pictures of the path per second, 1 to 240
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=240), default_value_t = 30,
+        requires = "path", help_heading = "Output")]
+    pub(crate) frames_per_second: u32,
     /// Size of the picture in pixels
     #[arg(long, value_name = "WxH", value_parser = parse::size, default_value = "1280x800", help_heading = "Output")]
     pub(crate) size: [u32; 2],

@@ -3,7 +3,9 @@
 use std::fmt;
 use std::path::Path;
 
+use crate::animation::AnimationError;
 use crate::app::AppError;
+use crate::camera_path::PathFileError;
 use crate::gpu::GpuError;
 use crate::heightfield::LoadError;
 use crate::heightfield::save::SaveError;
@@ -92,6 +94,23 @@ impl From<SaveError> for Failure {
 impl From<SceneFileError> for Failure {
     fn from(error: SceneFileError) -> Self {
         Self::new(Exit::BadInput, error.to_string())
+    }
+}
+
+impl From<PathFileError> for Failure {
+    fn from(error: PathFileError) -> Self {
+        let exit = if matches!(error, PathFileError::Write { .. }) { Exit::Failed } else { Exit::BadInput };
+        Self::new(exit, error.to_string())
+    }
+}
+
+impl From<AnimationError> for Failure {
+    fn from(error: AnimationError) -> Self {
+        let exit = match error {
+            AnimationError::Ending(_) | AnimationError::NotEmpty(_) => Exit::Usage,
+            AnimationError::Io { .. } | AnimationError::Encode { .. } => Exit::Failed,
+        };
+        Self::new(exit, error.to_string())
     }
 }
 

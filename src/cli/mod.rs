@@ -3,6 +3,7 @@
 mod args;
 mod convert;
 mod failure;
+mod film;
 mod generate;
 mod info;
 mod output;
@@ -28,7 +29,9 @@ use self::failure::{Exit, Failure};
 /// Exit codes: 0 done, 1 failed, 2 usage, 3 bad input, 4 no usable GPU adapter.
 pub fn run() -> ExitCode {
     // Drivers and wgpu log what they also return; what matters of it becomes a message of ours.
-    env_logger::Builder::from_env(env_logger::Env::new().default_filter_or("relief=warn")).init();
+    let terminal = env_logger::Builder::from_env(env_logger::Env::new().default_filter_or("relief=warn")).build();
+    let level = terminal.filter();
+    crate::logbook::install(Box::new(terminal), level);
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
         Err(error) => return explain_usage(&error),

@@ -22,6 +22,9 @@ use crate::scene::{DebugView, Scene};
 const WARM_UP: u32 = 2;
 
 pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
+    if let Some(path) = &args.path {
+        return super::film::run(args, path);
+    }
     let outputs = Outputs::prepare(args)?;
     let mut scene = terrain::compose(&args.scene)?;
     outputs.spare_the_inputs(&scene, args.scene.scene.as_deref())?;
@@ -141,15 +144,15 @@ impl Outputs {
 }
 
 /// A renderer with its scene and its canvas.
-struct Easel {
+pub(super) struct Easel {
     gpu: Arc<Gpu>,
     renderer: Renderer,
     target: Target,
-    scene: Scene,
+    pub(super) scene: Scene,
 }
 
 impl Easel {
-    fn new(gpu: Arc<Gpu>, scene: Scene, map: HeightField, size: [u32; 2]) -> Result<Self, Failure> {
+    pub(super) fn new(gpu: Arc<Gpu>, scene: Scene, map: HeightField, size: [u32; 2]) -> Result<Self, Failure> {
         let mut renderer = Renderer::new(Arc::clone(&gpu))?;
         let progress = Progress::start("preparing the terrain");
         renderer.set_terrain(Arc::new(map))?;
@@ -160,7 +163,7 @@ impl Easel {
     }
 
     /// Draws one frame, untimed.
-    fn frame(&mut self) -> Result<Vec<f64>, Failure> {
+    pub(super) fn frame(&mut self) -> Result<Vec<f64>, Failure> {
         self.renderer.draw(&self.scene, &self.target)?;
         Ok(Vec::new())
     }
@@ -179,10 +182,14 @@ impl Easel {
         Ok(times)
     }
 
+    /// The picture.
+    pub(super) fn picture(&self) -> Result<image::RgbaImage, Failure> {
+        Ok(self.target.read_color(&self.gpu).map_err(RenderError::from)?)
+    }
+
     /// The picture as a PNG without time stamps: the same picture gives the same bytes.
     fn png(&self) -> Result<Vec<u8>, Failure> {
-        let picture =
-            image::DynamicImage::ImageRgba8(self.target.read_color(&self.gpu).map_err(RenderError::from)?).into_rgb8();
+        let picture = image::DynamicImage::ImageRgba8(self.picture()?).into_rgb8();
         let mut bytes = Vec::new();
         PngEncoder::new_with_quality(&mut bytes, CompressionType::Default, FilterType::Adaptive)
             .write_image(&picture, picture.width(), picture.height(), image::ExtendedColorType::Rgb8)

@@ -32,6 +32,7 @@ pub(crate) fn run(args: &ViewArgs) -> Result<(), Failure> {
         size: args.size,
         status: args.status.clone(),
         screenshots: args.screenshots.clone(),
+        reset_settings: args.reset_settings,
     };
     match app::run(options) {
         Err(AppError::Window(reason)) => {

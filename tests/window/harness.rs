@@ -25,6 +25,9 @@ const PATIENCE: Duration = Duration::from_secs(120);
 /// How often the status file is looked at.
 const POLL: Duration = Duration::from_millis(15);
 
+/// The settings that a viewer opens with.
+const SETTINGS: &str = "version = 1\n[interface]\nwelcome = false\nmotion = \"full\"\ntheme = \"dark\"\n";
+
 /// The software driver draws on all cores, so one viewer at a time is fastest.
 static TURN: Mutex<()> = Mutex::new(());
 
@@ -112,6 +115,11 @@ impl Window {
         let prepared = prepare(&display);
         let log = fs::File::create(folder.path().join("log")).unwrap();
         let mut viewer = relief();
+        // Settings of its own, of somebody who is not here for the first time.
+        let settings = folder.path().join("settings");
+        fs::create_dir(&settings).unwrap();
+        fs::write(settings.join("settings.toml"), SETTINGS).unwrap();
+        viewer.env("RELIEF_CONFIG_DIR", &settings);
         viewer.env("DISPLAY", &display).envs(environment.iter().copied());
         viewer.arg("--status").arg(folder.path().join("status.json"));
         viewer.arg("--screenshots").arg(folder.path().join("shots"));

@@ -53,6 +53,8 @@ const CAMERA: &[Row] = &[
     ("Speed", Slide(0.8), "/speed", Nothing),
     ("Speed value", Number("0.7"), "/speed", Nothing),
     ("Allow below ground", Click, "", Nothing),
+    ("Movement", Choose("orbit"), "/mode", Nothing),
+    ("Movement", Choose("fly"), "/mode", Nothing),
     ("Over view", Click, "/scene/camera", Nothing),
     ("Graze view", Click, "/scene/camera", Nothing),
     ("Valley view", Click, "/scene/camera", Nothing),
@@ -191,7 +193,14 @@ const SECTIONS: [(&str, &[Row], &str, &str); 11] = [
 ];
 
 /// Widgets that are used outside the table, and where.
-const ELSEWHERE: [(&str, &str); 11] = [
+const ELSEWHERE: [(&str, &str); 18] = [
+    ("Target x", "typed in by the panel's own tests, by name"),
+    ("Target y", "the same"),
+    ("Target z", "the same"),
+    ("Bookmarks", "used by the panel's own tests, and by keys in the test of moving"),
+    ("Camera path", "the same"),
+    ("Interface", "the same, and by the test of what is kept"),
+    ("Keys", "the same"),
     ("Tradeoff", "opened by the test of comparing, and below"),
     ("Measure techniques", "pressed by the test of comparing"),
     ("Reset tradeoff", "pressed by the test of comparing"),

@@ -1,15 +1,19 @@
 //! The panel: one collapsible section per part of the scene, one file each, named alike.
 
+mod bookmarks;
 mod camera;
 mod compare;
 mod craters;
 mod debug;
 mod diffuse;
 mod frame;
+mod interface;
+mod keys;
 mod ledger;
 mod lighting;
 mod march;
 mod occluder;
+mod path;
 mod skybox;
 mod terrain;
 mod tradeoff;
@@ -42,9 +46,11 @@ pub(crate) struct Panel<'a> {
 type Section = (&'static str, fn(&mut egui::Ui, &mut Panel<'_>));
 
 /// All sections from top to bottom.
-const SECTIONS: [Section; 13] = [
+const SECTIONS: [Section; 17] = [
     ("Terrain", terrain::show),
     ("Camera", camera::show),
+    ("Bookmarks", bookmarks::show),
+    ("Camera path", path::show),
     ("March", march::show),
     ("Compare", compare::show),
     ("Diffuse", diffuse::show),
@@ -55,6 +61,8 @@ const SECTIONS: [Section; 13] = [
     ("Debug", debug::show),
     ("Tradeoff", tradeoff::show),
     ("Frame", frame::show),
+    ("Interface", interface::show),
+    ("Keys", keys::show),
     ("Ledger", ledger::show),
 ];
 
@@ -70,6 +78,9 @@ pub(crate) fn show(ui: &mut egui::Ui, panel: &mut Panel<'_>) {
 }
 
 #[cfg(test)]
+mod kittest;
+
+#[cfg(test)]
 mod tests {
     use std::collections::HashSet;
 
@@ -81,13 +92,14 @@ mod tests {
     use crate::heightfield::HeightField;
     use crate::scene::{CraterMode, SkyboxSettings, Technique};
 
-    fn facts(map: &Arc<HeightField>) -> Facts {
+    pub(super) fn facts(map: &Arc<HeightField>) -> Facts {
         let own = map.box_size(None);
         Facts {
             title: "Test".into(),
             samples: [map.width(), map.height()],
             range: map.range(),
             extent_metres: None,
+            extent: own,
             true_height_scale: own.y,
             map: Arc::clone(map),
             filterable_heights: false,
@@ -178,8 +190,7 @@ mod tests {
     /// What a technique does not use is greyed out, and only that.
     #[test]
     fn controls_without_effect_are_disabled() {
-        let march = SECTIONS[2];
-        assert_eq!(march.0, "March");
+        let march = *SECTIONS.iter().find(|section| section.0 == "March").expect("the section");
         let disabled_beside = |technique, other: Option<Technique>| {
             let mut scene = Scene::default();
             scene.march.technique = technique;
@@ -231,7 +242,8 @@ mod tests {
     #[test]
     fn widget_roles_are_those_of_the_tree() {
         let mut scene = Scene::default();
-        let found = section_widgets(SECTIONS[5], &mut scene);
+        let lighting = *SECTIONS.iter().find(|section| section.0 == "Lighting").expect("the section");
+        let found = section_widgets(lighting, &mut scene);
         let toggle = found.iter().find(|widget| widget.label == "Enable lighting").expect("the toggle is there");
         assert_eq!((toggle.role.as_str(), toggle.toggled), ("CheckBox", Some(true)));
     }

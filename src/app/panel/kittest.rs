@@ -1,0 +1,206 @@
+//! The panel by its names, as a screen reader or a tester finds it: every control of every section is used, whoever added it.
+
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+use egui::accesskit::{Action as Access, ActionData, ActionRequest, Role};
+use egui_kittest::Harness;
+use egui_kittest::kittest::{NodeT, Queryable};
+
+use super::*;
+use crate::camera::NamedView;
+use crate::heightfield::HeightField;
+use crate::scene::{CraterMode, Technique};
+
+/// What the panel works on.
+struct State {
+    scene: Scene,
+    view: ViewSettings,
+    speed: f64,
+    facts: Facts,
+    tradeoff: Tradeoff,
+    commands: Vec<Command>,
+}
+
+impl State {
+    /// All that a control can change, as text.
+    fn print(&self) -> String {
+        format!("{:?} {:?} {} {:?}", self.scene, self.view, self.speed, self.commands)
+    }
+
+    /// A state in which as little as possible is greyed out.
+    fn new() -> Self {
+        let map = Arc::new(HeightField::from_raw(3, 3, &[0.0_f32, 0.5, 1.0, 0.2, 0.7, 0.1, 0.9, 0.4, 0.6]).unwrap());
+        let mut scene = Scene { camera: Some(NamedView::Start.camera(&map, map.box_size(None))), ..Scene::default() };
+        scene.march.technique = Technique::LinearBinary;
+        scene.compare.enabled = true;
+        scene.occluder.enabled = true;
+        scene.craters.mode = CraterMode::Layered;
+        scene.craters.list.push(scene.craters.brush_at(0.5, 0.5));
+        scene.diffuse.file = Some("a.png".into());
+        scene.skybox.faces = Some(["a", "b", "c", "d", "e", "f"].map(Into::into));
+        scene.terrain.height_scale = Some(0.31);
+        let mut view = ViewSettings::default();
+        view.bookmarks.extend((1..=9).map(|digit: u32| (digit.to_string(), scene.camera.unwrap())));
+        for x in [0.0, 1.0, 2.0] {
+            let mut camera = scene.camera.unwrap();
+            camera.eye.x = x;
+            view.path.path.push(camera);
+        }
+        view.paths.terrain = "b.png".into();
+        view.paths.diffuse = "b.png".into();
+        view.paths.faces = ["1", "2", "3", "4", "5", "6"].map(Into::into);
+        let facts = tests::facts(&map);
+        Self { scene, view, speed: 0.3, facts, tradeoff: Tradeoff::default(), commands: Vec::new() }
+    }
+}
+
+fn harness(section: Section) -> Harness<'static, State> {
+    let mut harness = Harness::builder().with_size(egui::vec2(700.0, 3000.0)).build_ui_state(
+        move |ui, state: &mut State| {
+            let State { scene, view, speed, facts, tradeoff, commands } = state;
+            (section.1)(ui, &mut Panel { scene, view, speed, facts, tradeoff, commands });
+        },
+        State::new(),
+    );
+    harness.run_steps(2);
+    // A section that is closed is opened by its header, by name.
+    let before = controls(&harness).len();
+    for _ in 0..2 {
+        if controls(&harness).len() > before {
+            break;
+        }
+        harness.get_by_role_and_label(Role::DisclosureTriangle, section.0).click();
+        harness.run_steps(30);
+    }
+    harness
+}
+
+/// What a screen reader asks of a control.
+fn ask(harness: &mut Harness<'_, State>, (role, name): (Role, &str), action: Access, data: Option<ActionData>) {
+    let (target_node, target_tree) = harness.get_by_role_and_label(role, name).accesskit_node().locate();
+    harness.event(egui::Event::AccessKitActionRequest(ActionRequest { target_node, target_tree, action, data }));
+}
+
+/// The controls of a section: role, name, and whether it is greyed out.
+fn controls(harness: &Harness<'_, State>) -> Vec<(Role, String, bool)> {
+    let nodes = harness.root().children_recursive();
+    let of = |role: Role| {
+        matches!(
+            role,
+            Role::Button | Role::CheckBox | Role::ComboBox | Role::Slider | Role::SpinButton | Role::TextInput
+        )
+    };
+    nodes
+        .filter(|node| of(node.accesskit_node().role()))
+        .map(|node| {
+            let node = node.accesskit_node();
+            (node.role(), node.label().unwrap_or_default(), node.is_disabled())
+        })
+        .collect()
+}
+
+/// Uses a control in the way of its kind. False where that changed nothing.
+fn use_control(harness: &mut Harness<'_, State>, role: Role, name: &str) -> bool {
+    let before = harness.state().print();
+    match role {
+        Role::Slider | Role::SpinButton => {
+            for access in [Access::Increment, Access::Decrement] {
+                ask(harness, (role, name), access, None);
+                harness.run_steps(3);
+                if harness.state().print() != before {
+                    return true;
+                }
+            }
+        }
+        Role::TextInput => {
+            harness.get_by_role_and_label(role, name).focus();
+            harness.run_steps(2);
+            harness.get_by_role_and_label(role, name).type_text("x");
+        }
+        Role::ComboBox => {
+            let closed: BTreeSet<String> = controls(harness).into_iter().map(|(_, name, _)| name).collect();
+            harness.get_by_role_and_label(role, name).click();
+            harness.run_steps(6);
+            let choices: Vec<String> =
+                controls(harness).into_iter().filter(|(_, _, off)| !off).map(|(_, name, _)| name).collect();
+            for choice in choices.iter().filter(|choice| !closed.contains(*choice)) {
+                if harness.state().print() != before {
+                    return true;
+                }
+                // What was chosen already has closed the list.
+                if harness.query_by_label(choice).is_none() {
+                    harness.get_by_role_and_label(role, name).click();
+                    harness.run_steps(6);
+                }
+                if let Some(node) = harness.query_by_label(choice) {
+                    node.click();
+                }
+                harness.run_steps(6);
+            }
+        }
+        _ => harness.get_by_role_and_label(role, name).click(),
+    }
+    harness.run_steps(6);
+    harness.state().print() != before
+}
+
+/// What is greyed out in a state that greys out as little as possible, and why.
+const OFF: [(&str, &str); 3] = [
+    ("True proportion", "the test's map has no extent"),
+    ("Height filter", "its entry hardware-linear only: the test's adapter filters nothing"),
+    ("Cancel animation", "nothing is being written"),
+];
+
+/// Each control is found by its name, and does something; one without a name, or that does nothing, fails the test.
+#[test]
+fn every_control_of_every_section_has_a_name_and_does_something() {
+    for section in SECTIONS {
+        let names = controls(&harness(section));
+        for (role, name, off) in &names {
+            assert!(!name.trim().is_empty(), "a nameless {role:?} in {}", section.0);
+            let excused = OFF.iter().any(|(excused, _)| excused == name);
+            assert!(
+                !off || excused,
+                "{name} of {} is greyed out in the test's state: give it one in which it is not",
+                section.0
+            );
+        }
+        for (role, name, _) in names.iter().filter(|(_, _, off)| !off) {
+            let mut harness = harness(section);
+            // A reset of what is as it should be already does nothing, and need not.
+            let idle = name.starts_with("Reset ");
+            assert!(
+                use_control(&mut harness, *role, name) || idle,
+                "{name}, a {role:?} of {}, does nothing",
+                section.0
+            );
+        }
+    }
+}
+
+#[test]
+fn a_key_is_chosen_by_name_and_a_taken_one_is_said_to_be() {
+    let keys = *SECTIONS.iter().find(|section| section.0 == "Keys").unwrap();
+    let mut harness = harness(keys);
+    harness.get_by_label("Key for crater").click();
+    harness.run_steps(3);
+    assert_eq!(harness.state().view.rebinding, Some(crate::app::actions::Action::Crater));
+    assert_eq!(harness.get_by_label("Key for crater").accesskit_node().role(), Role::Button);
+    harness.state_mut().view.refused = Some((crate::app::actions::Action::Crater, "F1 already does this".into()));
+    harness.run_steps(2);
+    assert!(harness.query_by_label_contains("F1 already does this").is_some(), "the reason is text, not colour alone");
+}
+
+#[test]
+fn a_target_that_is_typed_is_looked_at_and_stays_what_was_typed() {
+    let section = *SECTIONS.iter().find(|section| section.0 == "Camera").unwrap();
+    let mut harness = harness(section);
+    for (name, value) in [("Target x", 0.9), ("Target y", 0.6), ("Target z", 0.1)] {
+        ask(&mut harness, (Role::SpinButton, name), Access::SetValue, Some(ActionData::NumericValue(value)));
+        harness.run_steps(3);
+    }
+    let camera = harness.state().scene.camera.unwrap();
+    let wanted = (glam::DVec3::new(0.9, 0.6, 0.1) - camera.eye).normalize();
+    assert!(camera.basis().forward.distance(wanted) < 1e-6, "{camera:?}");
+}

@@ -1,0 +1,52 @@
+//! A camera path drawn without a window.
+
+use std::fs;
+
+use crate::bench::Bench;
+
+const PATH: &str = "seconds = 1.0\n[[frames]]\neye = [0.2, 0.4, 1.2]\nyaw = 10.0\npitch = -20.0\n\
+                    [[frames]]\neye = [0.8, 0.4, 1.2]\nyaw = 350.0\npitch = -20.0\n";
+
+#[test]
+fn a_path_becomes_a_folder_or_an_animation_and_the_same_gives_the_same_bytes() {
+    let bench = Bench::new();
+    bench.map("map.png", 48, 33);
+    bench.write("path.toml", PATH);
+    for output in ["a.png", "b.png", "folder"] {
+        let line = format!("render map.png --path path.toml --frames-per-second 2 --size 48x30 -o {output}");
+        bench.relief(&line).expect(0, &["3 pictures"]);
+    }
+    assert!(fs::read(bench.path("a.png")).unwrap() == fs::read(bench.path("b.png")).unwrap(), "the same bytes");
+    let picture = |number: usize| image::open(bench.path(&format!("folder/frame-0000{number}.png"))).unwrap().to_rgb8();
+    // The first is that of its key frame.
+    let line = "render map.png -o one.png --size 48x30 --scene scene.toml";
+    bench.write("scene.toml", "[camera]\neye = [0.2, 0.4, 1.2]\nyaw = 10.0\npitch = -20.0\n");
+    bench.relief(line).expect(0, &[]);
+    assert!(image::open(bench.path("one.png")).unwrap().to_rgb8() == picture(1));
+    assert!(picture(1) != picture(2) && picture(2) != picture(3));
+    assert_eq!(fs::read_dir(bench.path("folder")).unwrap().count(), 3);
+    assert_eq!(bench.names(), ["a.png", "b.png", "folder", "map.png", "one.png", "path.toml", "scene.toml"]);
+}
+
+#[test]
+fn a_path_that_is_none_and_an_output_that_is_taken_are_refused_at_once() {
+    let bench = Bench::new();
+    bench.write("path.toml", PATH);
+    bench.write("short.toml", PATH.split("[[frames]]\neye = [0.8").next().unwrap());
+    bench.write("typo.toml", PATH.replace("seconds", "secs"));
+    bench.write("full/file", []);
+    for (line, code, words) in [
+        ("render --path short.toml -o a.png", 3, "at least two different key frames"),
+        ("render --path typo.toml -o a.png", 3, "`seconds`"),
+        ("render --path none.toml -o a.png", 3, "none.toml"),
+        ("render --path path.toml -o a.mp4", 2, "a.mp4"),
+        ("render --path path.toml -o full", 2, "not empty"),
+        ("render --path path.toml -o none/a.png", 1, "none/a.png"),
+    ] {
+        let run = bench.relief(line);
+        run.expect(code, &[words]).says_what_why_and_what_to_do();
+    }
+    bench.relief("render --path path.toml --view over -o a.png").expect(2, &["--view"]);
+    bench.relief("render --frames-per-second 3 -o a.png").expect(2, &["--path"]);
+    assert!(!bench.path("a.png").exists());
+}
