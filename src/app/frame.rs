@@ -296,7 +296,12 @@ pub(super) fn put_back(scene: &mut Scene, good: Option<&Scene>, error: &RenderEr
     if let RenderError::Image { path, .. } = error {
         let is_diffuse = scene.diffuse.file.as_ref() == Some(path);
         let is_sky = scene.skybox.faces.as_ref().is_some_and(|faces| faces.contains(path));
-        let unknown = !is_diffuse && !is_sky;
+        let is_imagery = scene.land.imagery.as_ref() == Some(path);
+        let unknown = !is_diffuse && !is_sky && !is_imagery;
+        if is_imagery {
+            let file = good.and_then(|good| good.land.imagery.clone());
+            scene.land.imagery = file.filter(|file| Some(file) != before.land.imagery.as_ref());
+        }
         if is_diffuse || unknown {
             let file = good.and_then(|good| good.diffuse.file.clone());
             scene.diffuse.file = file.filter(|file| Some(file) != before.diffuse.file.as_ref());

@@ -5,6 +5,7 @@ mod convert;
 mod failure;
 mod generate;
 mod info;
+mod land_args;
 mod output;
 mod parse;
 mod progress;
