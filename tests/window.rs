@@ -23,6 +23,8 @@ mod flying;
 mod idle;
 #[path = "window/keys.rs"]
 mod keys;
+#[path = "window/land.rs"]
+mod land;
 #[path = "window/panel.rs"]
 mod panel;
 #[path = "window/scale.rs"]

@@ -33,7 +33,7 @@ const TURN_PER_PIXEL: f64 = 0.0018;
 const LONGEST_STEP: Duration = Duration::from_millis(250);
 
 /// What the help page lists: keys, and what they do.
-pub(crate) const BINDINGS: [(&str, &str); 22] = [
+pub(crate) const BINDINGS: [(&str, &str); 25] = [
     ("W A S D", "fly forward, left, back, right"),
     ("E / Q", "fly up / down"),
     ("Shift / Alt", "four times as fast / a quarter as fast"),
@@ -45,6 +45,9 @@ pub(crate) const BINDINGS: [(&str, &str); 22] = [
     ("C", "make a crater under the cursor, or under the crosshair while the mouse is captured"),
     ("Ctrl+Z", "take the last crater back"),
     ("Ctrl+Shift+Backspace", "take all craters back"),
+    ("[ ]", "vertical exaggeration down / up, 0.1 to 100; the eye keeps its height above the ground"),
+    ("P", "probe: height, slope and place under the cursor"),
+    ("M", "measure between two clicks on the ground; Esc ends it"),
     ("F1", "this help"),
     ("F2", "panel"),
     ("F3", "overlay: frame times, steps, ledger"),
@@ -92,6 +95,10 @@ pub(crate) enum Shortcut {
     Capture,
     Escape,
     FrameTerrain,
+    ExaggerateLess,
+    ExaggerateMore,
+    Probe,
+    Measure,
     Crater,
     UndoCrater,
     ClearCraters,
@@ -125,7 +132,17 @@ impl Shortcut {
                 _ => None,
             };
         }
+        // Where these brackets are printed on other keys, those count.
+        match letter {
+            Some('[') => return Some(Self::ExaggerateLess),
+            Some(']') => return Some(Self::ExaggerateMore),
+            _ => {}
+        }
         Some(match key {
+            KeyCode::BracketLeft => Self::ExaggerateLess,
+            KeyCode::BracketRight => Self::ExaggerateMore,
+            KeyCode::KeyP => Self::Probe,
+            KeyCode::KeyM => Self::Measure,
             KeyCode::KeyF => Self::Capture,
             KeyCode::Escape => Self::Escape,
             KeyCode::Home => Self::FrameTerrain,
@@ -341,6 +358,8 @@ mod tests {
         assert_eq!(Shortcut::from_key(KeyCode::KeyC, Some('c'), false, false), Some(Shortcut::Crater));
         assert_eq!(Shortcut::from_key(KeyCode::KeyA, Some('q'), true, false), Some(Shortcut::Quit), "AZERTY");
         assert_eq!(Shortcut::from_key(KeyCode::KeyQ, Some('q'), false, false), None, "Q alone flies down");
+        assert_eq!(Shortcut::from_key(KeyCode::Digit8, Some('['), false, false), Some(Shortcut::ExaggerateLess), "AltGr");
+        assert_eq!(Shortcut::from_key(KeyCode::BracketRight, Some('+'), false, false), Some(Shortcut::ExaggerateMore));
         assert_eq!(Direction::from_key(KeyCode::KeyW), Some(Direction::Forward));
     }
 

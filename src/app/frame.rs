@@ -9,7 +9,7 @@ use super::measure::Subject;
 use super::settings::Command;
 use super::status::widgets;
 use super::viewer::{Viewer, visible_part};
-use super::{AppError, controls, overlay, panel};
+use super::{AppError, controls, legend, overlay, panel};
 use crate::heightfield::HeightField;
 use crate::render::RenderError;
 use crate::scene::{DebugView, Scene};
@@ -114,7 +114,7 @@ impl Viewer {
     }
 
     /// The terrain with the craters of the last picture.
-    fn ground<'a>(&'a self, graphics: &'a Graphics) -> &'a HeightField {
+    pub(super) fn ground<'a>(&'a self, graphics: &'a Graphics) -> &'a HeightField {
         graphics.renderer.terrain().map_or(&self.map, |terrain| terrain.field())
     }
 
@@ -138,6 +138,7 @@ impl Viewer {
         let input = self.egui.take_egui_input(&window);
         let timestamps = graphics.gpu.capabilities.timestamps;
         self.hint = self.hint.take().filter(|(_, until)| *until > now);
+        self.read_land(graphics, self.pixels_per_point());
         let mut commands = Vec::new();
         let drawable = self.drawable(graphics);
         let mut output = ctx.run_ui(input, |ui| self.interface(ui, &drawable, (&mut commands, timestamps), now));
@@ -202,6 +203,13 @@ impl Viewer {
                 boxes.push(overlay::error_legend(&ctx, self.free, reference, awaited));
             }
             _ => {}
+        }
+        if self.scene.debug.view == DebugView::None && self.scene.land.has_legend() {
+            boxes.push(legend::show(&ctx, self.free, &self.scene.land, &self.map));
+        }
+        boxes.extend(self.show_reading(&ctx));
+        if self.view.reading.measure {
+            self.show_profile(&ctx, commands, now);
         }
         if self.pointer.captured {
             overlay::crosshair(&ctx);

@@ -130,14 +130,15 @@ impl Viewer {
         }
         // Over the picture nothing but the split line lights up under the cursor, so nothing else needs to be drawn.
         let over_egui = !self.cursor_is_free() || self.is_on_split_line(cursor);
-        if over_egui || std::mem::replace(&mut self.pointer.over_egui, over_egui) {
+        let follows = self.view.reading.follows_cursor();
+        if follows || over_egui || std::mem::replace(&mut self.pointer.over_egui, over_egui) {
             self.redraw.invalidate();
         }
         self.pointer.over_egui = over_egui;
     }
 
     /// Whether the cursor is over the picture and not over the panel, a window of egui, or a drag that began there.
-    fn cursor_is_free(&self) -> bool {
+    pub(super) fn cursor_is_free(&self) -> bool {
         let Some(cursor) = self.pointer.cursor else { return false };
         let (ctx, scale) = (self.egui.egui_ctx(), self.pixels_per_point());
         let position = egui::pos2((cursor.x / scale) as f32, (cursor.y / scale) as f32);
@@ -153,7 +154,7 @@ impl Viewer {
     }
 
     /// Physical pixels of the window per point of egui.
-    fn pixels_per_point(&self) -> f64 {
+    pub(super) fn pixels_per_point(&self) -> f64 {
         f64::from(egui_winit::pixels_per_point(self.egui.egui_ctx(), &self.window))
     }
 
@@ -165,6 +166,10 @@ impl Viewer {
             self.pointer.dragging |= button == MouseButton::Right;
             let on_line = self.pointer.cursor.is_some_and(|cursor| self.is_on_split_line(cursor));
             self.pointer.splitting |= button == MouseButton::Left && on_line;
+            if button == MouseButton::Left && !on_line && self.view.reading.measure {
+                self.view.reading.clicked = self.pointer.cursor;
+                self.redraw.invalidate();
+            }
             // A click on the picture ends typing in the panel.
             self.egui.egui_ctx().memory_mut(|memory| {
                 if let Some(id) = memory.focused() {
@@ -207,11 +212,16 @@ impl Viewer {
         match shortcut {
             Shortcut::Capture => self.capture(!self.pointer.captured),
             Shortcut::Escape if self.pointer.captured => self.capture(false),
+            Shortcut::Escape if self.view.reading.measure => self.view.reading.set_measure(false),
             Shortcut::Escape if self.view.help => self.view.help = false,
             Shortcut::Escape => {
                 self.toasts.dismiss_errors();
             }
             Shortcut::FrameTerrain => self.execute(graphics, Command::View(NamedView::Start)),
+            Shortcut::ExaggerateLess => self.step_exaggeration(graphics, false, now),
+            Shortcut::ExaggerateMore => self.step_exaggeration(graphics, true, now),
+            Shortcut::Probe => self.view.reading.probe = !self.view.reading.probe,
+            Shortcut::Measure => self.execute(graphics, Command::Measure(!self.view.reading.measure)),
             Shortcut::Crater => self.crater(graphics, now),
             Shortcut::UndoCrater => self.execute(graphics, Command::UndoCrater),
             Shortcut::ClearCraters => self.execute(graphics, Command::ClearCraters),

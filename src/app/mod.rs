@@ -15,6 +15,7 @@
 //! | `graphics`, `surface`, `scale` | what lives on the GPU; the surface's life; the monitor's scale |
 //! | `controls`, `picking`, `redraw` | the fly camera, the crater under the cursor, when a frame is due: no window needed |
 //! | `settings`, `panel`, `overlay`, `toasts` | what egui draws |
+//! | `reading`, `profile`, `legend` | the land under the cursor and between two clicks; what its colours mean |
 //! | `measure`, `tradeoff` | frame times and steps per ray; error against time of the techniques |
 //! | `errors` | what the viewer does with those of techniques |
 //! | `reference`, `cones` | the f64 reference of the error view, and cone maps, on threads of their own |
@@ -29,11 +30,14 @@ mod errors;
 mod frame;
 mod graphics;
 mod input;
+mod legend;
 mod loading;
 mod measure;
 mod overlay;
 mod panel;
 mod picking;
+mod profile;
+mod reading;
 mod redraw;
 mod reference;
 mod scale;

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use super::reading::Reading;
 use crate::camera::NamedView;
 use crate::heightfield::HeightField;
 use crate::render::Ledger;
@@ -25,6 +26,8 @@ pub(crate) struct ViewSettings {
     pub(crate) vsync: bool,
     /// Most frames per second, 0 for no limit.
     pub(crate) frame_limit: u32,
+    /// What is being read off the land.
+    pub(crate) reading: Reading,
     /// What stands in the panel's path fields.
     pub(crate) paths: PathFields,
 }
@@ -39,6 +42,7 @@ impl Default for ViewSettings {
             allow_below_ground: false,
             vsync: true,
             frame_limit: 0,
+            reading: Reading::default(),
             paths: PathFields::default(),
         }
     }
@@ -51,6 +55,8 @@ pub(crate) struct PathFields {
     pub(crate) terrain: String,
     /// The diffuse texture.
     pub(crate) diffuse: String,
+    /// The placed picture.
+    pub(crate) imagery: String,
     /// The six faces of the sky.
     pub(crate) faces: [String; 6],
 }
@@ -63,6 +69,7 @@ impl PathFields {
         Self {
             terrain: text(&scene.terrain.file),
             diffuse: text(&scene.diffuse.file),
+            imagery: text(&scene.land.imagery),
             faces: faces.unwrap_or_default(),
         }
     }
@@ -87,6 +94,10 @@ pub(crate) enum Command {
     MeasureTradeoff,
     /// Forget what was measured.
     ForgetTradeoff,
+    /// Make heights so many times their true proportion.
+    Exaggerate(f64),
+    /// Start or end measuring.
+    Measure(bool),
 }
 
 /// What the panel shows but cannot change.

@@ -6,6 +6,7 @@ mod craters;
 mod debug;
 mod diffuse;
 mod frame;
+mod land;
 mod ledger;
 mod lighting;
 mod march;
@@ -42,13 +43,14 @@ pub(crate) struct Panel<'a> {
 type Section = (&'static str, fn(&mut egui::Ui, &mut Panel<'_>));
 
 /// All sections from top to bottom.
-const SECTIONS: [Section; 13] = [
+const SECTIONS: [Section; 14] = [
     ("Terrain", terrain::show),
     ("Camera", camera::show),
     ("March", march::show),
     ("Compare", compare::show),
     ("Diffuse", diffuse::show),
     ("Lighting", lighting::show),
+    ("Land", land::show),
     ("Skybox", skybox::show),
     ("Occluder", occluder::show),
     ("Craters", craters::show),
