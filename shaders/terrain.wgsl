@@ -29,6 +29,9 @@
 #ifdef VIEW_NORMALS
 #import relief::shading
 #endif
+#ifdef LAND
+#import relief::land
+#endif
 #ifdef VIEW_STEPS
 #import relief::heat_map::heat_map
 #endif
@@ -361,6 +364,17 @@ fn fs_main(in: varyings::Varyings) -> Fragment {
     } else {
         albedo = shading::ground_albedo(point.xz, depth);
     }
+#ifdef LAND
+#ifdef DEEP_ZOOM
+    let land_place = land::Place(place.cell, place.within);
+#else
+    let land_place = land::place_at(point.xz);
+#endif
+    if !wall {
+        albedo = land::albedo_of(albedo, land_place, depth);
+    }
+    let unlit = albedo;
+#endif
 #ifdef LIGHTING
 #ifdef DEEP_ZOOM
     var normal = surface_normal(at_entry, span.axis, place, ray.direction);
@@ -371,6 +385,11 @@ fn fs_main(in: varyings::Varyings) -> Fragment {
     normal = select(normal, normal_across(cut, ray.direction), cut != 3u);
 #endif
     albedo = shading::lit(albedo, normal, ray.direction * (-1.0 / length_of_direction));
+#endif
+#ifdef LAND_CONTOURS
+    if !wall {
+        albedo = land::with_contours(albedo, unlit, land_place, ray, depth);
+    }
 #endif
     return Fragment(vec4f(albedo, 1.0), written);
 #endif

@@ -3,6 +3,9 @@
 //! A [`Scene`] can be written to and read from TOML, so a picture can be made again. It knows neither GPU nor
 //! window. Every field has a default; a scene file names only what differs.
 
+pub mod land;
+pub mod ramp;
+
 use std::path::PathBuf;
 
 use glam::DVec3;
@@ -10,6 +13,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::camera::Camera;
 use crate::heightfield::{ConeKind, Crater, HeightField};
+
+pub use land::{GroundColour, Hillshade, LandSettings};
+pub use ramp::Ramp;
 
 /// Everything that a frame shows.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -26,6 +32,8 @@ pub struct Scene {
     pub compare: CompareSettings,
     /// The ground's colour.
     pub diffuse: DiffuseSettings,
+    /// Colours by height, contours, hillshade, placed imagery.
+    pub land: LandSettings,
     /// The sun and the reflection model.
     pub lighting: LightingSettings,
     /// The skybox.

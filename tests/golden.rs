@@ -14,7 +14,7 @@ use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ImageEncoder, Rgb, RgbImage, Rgba, RgbaImage};
 use relief::camera::NamedView;
 use relief::heightfield::{Crater, HeightField};
-use relief::scene::{CraterMode, DebugView, HeightFilter, Scene, Technique};
+use relief::scene::{CraterMode, DebugView, GroundColour, HeightFilter, Hillshade, Ramp, Scene, Technique};
 
 /// Another version of the driver may round another way; more than this is another picture.
 const TOLERANCE: Tolerance = Tolerance { channel: 8, pixels: 0.002 };
@@ -137,6 +137,41 @@ fn colour_cases(start: &Scene) -> Vec<Case> {
     ]
 }
 
+fn land_cases(map: &HeightField, start: &Scene) -> Vec<Case> {
+    let (valley, down) = (scene_at(NamedView::Valley, map), scene_at(NamedView::Down, map));
+    let ramp = |ramp| move |scene: &mut Scene| (scene.land.colour, scene.land.ramp) = (GroundColour::Ramp, ramp);
+    let coloured = |colour| {
+        move |scene: &mut Scene| {
+            scene.land.colour = colour;
+            scene.lighting.enabled = false;
+        }
+    };
+    vec![
+        case("land-ramp", start, ramp(Ramp::Oleron)),
+        case("land-ramp-2003", start, |scene| {
+            ramp(Ramp::Riaboy2003)(scene);
+            (scene.land.low, scene.land.high) = (Some(0.0), Some(2347.0));
+        }),
+        case("land-ramp-range", &down, |scene| {
+            ramp(Ramp::Viridis)(scene);
+            (scene.land.low, scene.land.high) = (Some(700.0), Some(1600.0));
+        }),
+        case("land-slope", &down, coloured(GroundColour::Slope)),
+        case("land-aspect", &down, coloured(GroundColour::Aspect)),
+        case("land-contours", start, |scene| scene.land.contours = true),
+        case("land-contours-near", &valley, |scene| {
+            (scene.land.contours, scene.land.contour_interval) = (true, Some(20.0));
+            scene.diffuse.enabled = false;
+        }),
+        case("land-hillshade", start, |scene| scene.land.hillshade = Hillshade::Sun),
+        case("land-hillshade-multidirectional", start, |scene| {
+            ramp(Ramp::Batlow)(scene);
+            scene.land.hillshade = Hillshade::Multidirectional;
+            (scene.land.hillshade_strength, scene.land.contours) = (1.0, true);
+        }),
+    ]
+}
+
 fn thing_cases(map: &HeightField, start: &Scene) -> Vec<Case> {
     let mut cratered = start.clone();
     let mut crater = |u: f64, v: f64, radius| {
@@ -171,7 +206,12 @@ fn thing_cases(map: &HeightField, start: &Scene) -> Vec<Case> {
 
 fn cases(map: &HeightField) -> Vec<Case> {
     let start = scene_at(NamedView::Start, map);
-    march_cases(map, &start).into_iter().chain(colour_cases(&start)).chain(thing_cases(map, &start)).collect()
+    march_cases(map, &start)
+        .into_iter()
+        .chain(colour_cases(&start))
+        .chain(thing_cases(map, &start))
+        .chain(land_cases(map, &start))
+        .collect()
 }
 
 /// As small as PNG gets: opaque, so without alpha.

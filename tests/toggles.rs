@@ -14,6 +14,8 @@ mod craters;
 mod debug;
 #[path = "toggles/filter.rs"]
 mod filter;
+#[path = "toggles/land.rs"]
+mod land;
 #[path = "toggles/light.rs"]
 mod light;
 #[path = "toggles/march.rs"]

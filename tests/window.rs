@@ -25,6 +25,8 @@ mod idle;
 mod kept;
 #[path = "window/keys.rs"]
 mod keys;
+#[path = "window/land.rs"]
+mod land;
 #[path = "window/moving.rs"]
 mod moving;
 #[path = "window/panel.rs"]

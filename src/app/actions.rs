@@ -15,6 +15,10 @@ pub(crate) enum Action {
     KeyFrame,
     RemoveKeyFrame,
     PlayPath,
+    ExaggerateLess,
+    ExaggerateMore,
+    Probe,
+    Measure,
     Crater,
     UndoCrater,
     ClearCraters,
@@ -55,7 +59,7 @@ const fn always(action: Action, name: &'static str, default: &'static str, does:
 }
 
 /// All actions.
-pub(crate) const ACTIONS: [Entry; 26] = [
+pub(crate) const ACTIONS: [Entry; 30] = [
     row(Action::Forward, "forward", "W", "fly forward"),
     row(Action::Back, "back", "S", "fly back"),
     row(Action::Left, "left", "A", "fly left"),
@@ -68,6 +72,15 @@ pub(crate) const ACTIONS: [Entry; 26] = [
     row(Action::KeyFrame, "key-frame", "K", "record the eye as a key frame of the camera path"),
     row(Action::RemoveKeyFrame, "remove-key-frame", "Shift+K", "remove the path's last key frame"),
     row(Action::PlayPath, "play-path", "Space", "play the camera path, or stop it"),
+    row(
+        Action::ExaggerateLess,
+        "exaggerate-less",
+        "[",
+        "less vertical exaggeration, to a tenth; the eye keeps its height above the ground",
+    ),
+    row(Action::ExaggerateMore, "exaggerate-more", "]", "more of it, to a hundred times the true proportion"),
+    row(Action::Probe, "probe", "P", "probe: height, slope, direction and place of the ground under the cursor"),
+    row(Action::Measure, "measure", "M", "measure between two clicks on the ground; Esc ends it"),
     row(
         Action::Crater,
         "crater",

@@ -32,6 +32,8 @@ impl Viewer {
                 self.tradeoff.start(&self.scene, target);
             }
             Command::ForgetTradeoff => self.forget_tradeoff(),
+            Command::Exaggerate(times) => self.exaggerate(graphics, times, Instant::now()),
+            Command::Measure(on) => self.view.reading.set_measure(on),
             Command::Screenshot => self.wants_screenshot = true,
             Command::FullScreen => {
                 let full = self.window.fullscreen().is_none().then_some(Fullscreen::Borderless(None));

@@ -9,7 +9,7 @@ use super::measure::Subject;
 use super::settings::Command;
 use super::status::widgets;
 use super::viewer::{Viewer, visible_part};
-use super::{AppError, controls, overlay, panel, welcome};
+use super::{AppError, controls, legend, overlay, panel, welcome};
 use crate::heightfield::HeightField;
 use crate::render::RenderError;
 use crate::scene::{DebugView, Scene};
@@ -148,6 +148,7 @@ impl Viewer {
         let input = self.egui.take_egui_input(&window);
         let timestamps = graphics.gpu.capabilities.timestamps;
         self.hint = self.hint.take().filter(|(_, until)| *until > now);
+        self.read_land(graphics, self.pixels_per_point());
         let mut commands = Vec::new();
         let drawable = self.drawable(graphics);
         let mut output = ctx.run_ui(input, |ui| self.interface(ui, &drawable, (&mut commands, timestamps), now));
@@ -213,6 +214,13 @@ impl Viewer {
                 boxes.push(overlay::error_legend(&ctx, self.free, reference, awaited));
             }
             _ => {}
+        }
+        if self.scene.debug.view == DebugView::None && self.scene.land.has_legend() {
+            boxes.push(legend::show(&ctx, self.free, &self.scene.land, &self.map));
+        }
+        boxes.extend(self.show_reading(&ctx));
+        if self.view.reading.measure {
+            self.show_profile(&ctx, commands, now);
         }
         if self.pointer.captured {
             overlay::crosshair(&ctx);
@@ -310,7 +318,12 @@ pub(super) fn put_back(scene: &mut Scene, good: Option<&Scene>, error: &RenderEr
     if let RenderError::Image { path, .. } = error {
         let is_diffuse = scene.diffuse.file.as_ref() == Some(path);
         let is_sky = scene.skybox.faces.as_ref().is_some_and(|faces| faces.contains(path));
-        let unknown = !is_diffuse && !is_sky;
+        let is_imagery = scene.land.imagery.as_ref() == Some(path);
+        let unknown = !is_diffuse && !is_sky && !is_imagery;
+        if is_imagery {
+            let file = good.and_then(|good| good.land.imagery.clone());
+            scene.land.imagery = file.filter(|file| Some(file) != before.land.imagery.as_ref());
+        }
         if is_diffuse || unknown {
             let file = good.and_then(|good| good.diffuse.file.clone());
             scene.diffuse.file = file.filter(|file| Some(file) != before.diffuse.file.as_ref());

@@ -146,14 +146,15 @@ impl Viewer {
         }
         // Over the picture nothing but the split line lights up under the cursor, so nothing else needs to be drawn.
         let over_egui = !self.cursor_is_free() || self.is_on_split_line(cursor);
-        if over_egui || std::mem::replace(&mut self.pointer.over_egui, over_egui) {
+        let follows = self.view.reading.follows_cursor();
+        if follows || over_egui || std::mem::replace(&mut self.pointer.over_egui, over_egui) {
             self.redraw.invalidate();
         }
         self.pointer.over_egui = over_egui;
     }
 
     /// Whether the cursor is over the picture and not over the panel, a window of egui, or a drag that began there.
-    fn cursor_is_free(&self) -> bool {
+    pub(super) fn cursor_is_free(&self) -> bool {
         let Some(cursor) = self.pointer.cursor else { return false };
         let (ctx, scale) = (self.egui.egui_ctx(), self.pixels_per_point());
         let position = egui::pos2((cursor.x / scale) as f32, (cursor.y / scale) as f32);
@@ -169,7 +170,7 @@ impl Viewer {
     }
 
     /// Physical pixels of the window per point of egui.
-    fn pixels_per_point(&self) -> f64 {
+    pub(super) fn pixels_per_point(&self) -> f64 {
         f64::from(egui_winit::pixels_per_point(self.egui.egui_ctx(), &self.window))
     }
 
@@ -185,6 +186,10 @@ impl Viewer {
             let on_line = self.pointer.cursor.is_some_and(|cursor| self.is_on_split_line(cursor));
             let turns = button == MouseButton::Right || (button == MouseButton::Left && !on_line);
             self.pointer.splitting |= button == MouseButton::Left && on_line;
+            if button == MouseButton::Left && !on_line && self.view.reading.measure {
+                self.view.reading.clicked = self.pointer.cursor;
+                self.redraw.invalidate();
+            }
             match self.view.mode {
                 Mode::Fly => self.pointer.dragging |= button == MouseButton::Right,
                 Mode::Orbit if turns => {
@@ -199,7 +204,9 @@ impl Viewer {
                     memory.surrender_focus(id);
                 }
             });
-            if let Some(cursor) = self.pointer.cursor.filter(|_| button == MouseButton::Left && !on_line) {
+            if let Some(cursor) =
+                self.pointer.cursor.filter(|_| button == MouseButton::Left && !on_line && !self.view.reading.measure)
+            {
                 self.clicked(graphics, cursor, now);
             }
         }
@@ -312,6 +319,8 @@ impl Viewer {
             self.capture(false);
         } else if self.view.welcome {
             self.view.welcome = false;
+        } else if self.view.reading.measure {
+            self.view.reading.set_measure(false);
         } else if self.view.help {
             self.view.help = false;
         } else if self.journey.stop() {
@@ -338,6 +347,10 @@ impl Viewer {
             Action::KeyFrame => self.path_command(graphics, PathCommand::Add, now),
             Action::RemoveKeyFrame => self.path_command(graphics, PathCommand::RemoveLast, now),
             Action::PlayPath => self.path_command(graphics, PathCommand::Play, now),
+            Action::ExaggerateLess => self.step_exaggeration(graphics, false, now),
+            Action::ExaggerateMore => self.step_exaggeration(graphics, true, now),
+            Action::Probe => self.view.reading.probe = !self.view.reading.probe,
+            Action::Measure => self.execute(graphics, Command::Measure(!self.view.reading.measure)),
             Action::Crater => self.crater(graphics, now),
             Action::UndoCrater => self.execute(graphics, Command::UndoCrater),
             Action::ClearCraters => self.execute(graphics, Command::ClearCraters),

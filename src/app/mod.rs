@@ -19,6 +19,8 @@
 //! | `controls`, `picking`, `redraw` | the fly camera, the crater under the cursor, when a frame is due: no window needed |
 //! | `settings`, `panel`, `overlay`, `toasts`, `log_pane`, `welcome` | what egui draws |
 //! | `gamepad` | sticks; only with the feature of that name |
+//! | `settings`, `panel`, `overlay`, `toasts` | what egui draws |
+//! | `reading`, `profile`, `legend` | the land under the cursor and between two clicks; what its colours mean |
 //! | `measure`, `tradeoff` | frame times and steps per ray; error against time of the techniques |
 //! | `errors` | what the viewer does with those of techniques |
 //! | `reference`, `cones` | the f64 reference of the error view, and cone maps, on threads of their own |
@@ -41,6 +43,7 @@ mod input;
 mod journey;
 mod keeping;
 mod keys;
+mod legend;
 mod loading;
 mod log_pane;
 mod measure;
@@ -49,6 +52,8 @@ mod overlay;
 mod panel;
 mod picking;
 mod preferences;
+mod profile;
+mod reading;
 mod redraw;
 mod reference;
 mod scale;

@@ -9,6 +9,7 @@ use super::actions::Action;
 use super::keys::KeyMap;
 use super::log_pane::LogPane;
 use super::preferences::{Bookmarks, Mode, Motion, Theme};
+use super::reading::Reading;
 use crate::camera::NamedView;
 use crate::camera_path::CameraPath;
 use crate::heightfield::HeightField;
@@ -32,6 +33,8 @@ pub(crate) struct ViewSettings {
     pub(crate) vsync: bool,
     /// Most frames per second, 0 for no limit.
     pub(crate) frame_limit: u32,
+    /// What is being read off the land.
+    pub(crate) reading: Reading,
     /// What stands in the panel's path fields.
     pub(crate) paths: PathFields,
     /// Dark or light.
@@ -70,6 +73,7 @@ impl Default for ViewSettings {
             allow_below_ground: false,
             vsync: true,
             frame_limit: 0,
+            reading: Reading::default(),
             paths: PathFields::default(),
             theme: Theme::default(),
             motion: Motion::default(),
@@ -157,6 +161,8 @@ pub(crate) struct PathFields {
     pub(crate) terrain: String,
     /// The diffuse texture.
     pub(crate) diffuse: String,
+    /// The placed picture.
+    pub(crate) imagery: String,
     /// The six faces of the sky.
     pub(crate) faces: [String; 6],
 }
@@ -169,6 +175,7 @@ impl PathFields {
         Self {
             terrain: text(&scene.terrain.file),
             diffuse: text(&scene.diffuse.file),
+            imagery: text(&scene.land.imagery),
             faces: faces.unwrap_or_default(),
         }
     }
@@ -199,6 +206,10 @@ pub(crate) enum Command {
     SetBookmark(usize),
     /// Something about the camera path.
     Path(PathCommand),
+    /// Make heights so many times their true proportion.
+    Exaggerate(f64),
+    /// Start or end measuring.
+    Measure(bool),
 }
 
 /// What the panel shows but cannot change.

@@ -10,6 +10,7 @@ use serde::Serialize;
 
 use super::graphics::Graphics;
 use super::preferences::Mode;
+use super::reading::ReadingStatus;
 use super::redraw::Next;
 use super::viewer::Viewer;
 use crate::render::Ledger;
@@ -69,6 +70,8 @@ pub(crate) struct Status<'a> {
     pub(crate) reference: bool,
     /// The technique that drew the picture: not the scene's own while its cones are being found.
     pub(crate) drawn_by: Option<Technique>,
+    /// What is read off the land.
+    pub(crate) reading: ReadingStatus,
     /// The share of a map of cones that is found, 0 to 1, while one is being sought.
     pub(crate) finding_cones: Option<f32>,
     /// Pipelines are being compiled.
@@ -228,6 +231,7 @@ impl Viewer {
             frame_ms: Times { median: self.meter.times.quantile(0.5), p99: self.meter.times.quantile(0.99) },
             reference: self.shows_reference,
             drawn_by: self.drawn.as_ref().map(|drawn| drawn.march.technique),
+            reading: self.view.reading.status(),
             finding_cones: self.cones.progress(),
             compiling: self.compiler.is_busy(),
             tradeoff: self.tradeoff.results().len(),
@@ -349,6 +353,7 @@ mod tests {
                 frame_ms: Times { median: None, p99: None },
                 reference: false,
                 drawn_by: Some(Technique::MaxMipmap),
+                reading: super::super::reading::Reading::default().status(),
                 finding_cones: None,
                 compiling: false,
                 tradeoff: 0,

@@ -387,9 +387,13 @@ impl Viewer {
         }
         self.map = opened.map;
         self.tradeoff.forget();
+        self.view.reading.forget();
         self.meter.forget_times();
         self.scene.terrain.file = Some(opened.path);
         self.scene.terrain.height_scale = None;
+        // The old map's heights and place mean nothing here.
+        (self.scene.land.low, self.scene.land.high, self.scene.land.contour_interval) = (None, None, None);
+        self.scene.land.imagery = None;
         self.scene.craters.list.clear();
         self.scene.occluder.position = None;
         self.scene.camera = Some(NamedView::Start.camera(&self.map, self.extent()));

@@ -7,6 +7,7 @@ use clap_complete::Shell;
 use glam::DVec3;
 
 use super::generate::{self, GenerateArgs};
+use super::land_args::LandArgs;
 use super::parse;
 use crate::camera::NamedView;
 use crate::heightfield::Holes;
@@ -382,6 +383,8 @@ pub(crate) struct SceneArgs {
     /// Draw the edges of the terrain's box
     #[arg(long, help_heading = "Debugging")]
     pub(crate) wireframe: bool,
+    #[command(flatten)]
+    pub(crate) land: LandArgs,
     #[command(flatten)]
     pub(crate) open: OpenArgs,
 }

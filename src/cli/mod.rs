@@ -6,6 +6,7 @@ mod failure;
 mod film;
 mod generate;
 mod info;
+mod land_args;
 mod output;
 mod parse;
 mod progress;

@@ -10,6 +10,7 @@ use serde::Serialize;
 
 use super::args::RenderArgs;
 use super::failure::{Exit, Failure};
+use super::land_args;
 use super::output::Output;
 use super::progress::Progress;
 use super::terrain::{self, Source};
@@ -34,6 +35,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     terrain::place_camera(&args.scene, &mut scene, &map)?;
     terrain::warn_of(&scene, &map);
 
+    let legend = land_args::legend(&scene, &map);
     let (scene_view, heat_map_max) = (scene.debug.view, scene.debug.heat_map_max);
     let compare = &scene.compare;
     let sides = compare.enabled.then(|| (scene.march.technique.name(), compare.technique.name(), compare.share));
@@ -54,6 +56,9 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     outputs.picture.write(&picture)?;
     if let Some((left, right, share)) = sides {
         eprintln!("relief: {left} left of {:.0} % of the width, {right} right of it", share * 100.0);
+    }
+    if let Some(legend) = legend.filter(|_| scene_view == DebugView::None) {
+        eprintln!("relief: {legend}");
     }
     if scene_view == DebugView::Steps {
         eprintln!("relief: steps per ray: black is 0, pale yellow {heat_map_max} or more");
@@ -131,7 +136,14 @@ impl Outputs {
     /// Refuses to replace a file that the picture is made from.
     fn spare_the_inputs(&self, scene: &Scene, scene_file: Option<&Path>) -> Result<(), Failure> {
         let faces = scene.skybox.faces.iter().flatten();
-        let files = scene.terrain.file.iter().chain(&scene.diffuse.file).chain(faces).map(PathBuf::as_path);
+        let files = scene
+            .terrain
+            .file
+            .iter()
+            .chain(&scene.diffuse.file)
+            .chain(&scene.land.imagery)
+            .chain(faces)
+            .map(PathBuf::as_path);
         for input in files.chain(scene_file) {
             if self.all().any(|output| output.same_file(input)) {
                 return Err(Failure::usage(format!("{} is an input and an output", input.display()))

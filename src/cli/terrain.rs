@@ -174,6 +174,7 @@ pub(crate) fn compose(args: &SceneArgs) -> Result<Scene, Failure> {
     scene.diffuse.enabled = (scene.diffuse.enabled || args.texture.is_some()) && !args.no_texture;
     set_some(&mut scene.diffuse.file, args.texture.clone());
     set(&mut scene.diffuse.repeats, args.repeats);
+    args.land.apply(&mut scene);
     scene.lighting.enabled &= !args.no_lighting;
     if let Some([azimuth, elevation]) = args.sun {
         (scene.lighting.sun_azimuth, scene.lighting.sun_elevation) = (azimuth, elevation);
@@ -193,6 +194,7 @@ pub(crate) fn compose(args: &SceneArgs) -> Result<Scene, Failure> {
 
 /// Gives `scene` the camera that the options ask for, and checks the whole.
 pub(crate) fn place_camera(args: &SceneArgs, scene: &mut Scene, map: &HeightField) -> Result<(), Failure> {
+    args.land.exaggerate(scene, map);
     let extent = map.box_size(scene.terrain.height_scale);
     let before = scene.camera.unwrap_or_else(|| NamedView::Start.camera(map, extent));
     let mut camera = match args.view {

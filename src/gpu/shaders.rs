@@ -23,6 +23,7 @@ const EMBEDDED: &[(&str, &str)] = embed![
     "cube.wgsl",
     "frame.wgsl",
     "heightfield.wgsl",
+    "land.wgsl",
     "march/cone.wgsl",
     "march/linear-binary.wgsl",
     "march/linear.wgsl",

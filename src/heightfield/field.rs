@@ -7,12 +7,16 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::holes::{self, HoleMask, Holes};
+use super::import::Georeference;
 
 /// Height of the box over its longer horizontal side where a map does not say what it shows.
 pub(super) const PLAIN_HEIGHT_SCALE: f64 = 0.25;
 
 /// Heights of the box over its longer horizontal side that can be drawn; 0 is flat.
 pub(crate) const HEIGHT_SCALES: RangeInclusive<f64> = 0.0..=1000.0;
+
+/// How many times their true proportion heights can be made by hand.
+pub(crate) const EXAGGERATIONS: RangeInclusive<f64> = 0.1..=100.0;
 
 /// West–east extent over north–south extent: far beyond any map, and within what single precision can march.
 pub(super) const EXTENT_RATIOS: RangeInclusive<f64> = 1e-5..=1e5;
@@ -84,6 +88,10 @@ pub struct HeightField {
     exaggeration: f64,
     /// The samples that hold no height and are cut out; absent where all hold one.
     holes: Option<Arc<HoleMask>>,
+    /// Where the samples lie in a reference system, where that is known.
+    georeference: Option<Arc<Georeference>>,
+    /// The range is known to be in metres, even where the extent is not.
+    metric: bool,
 }
 
 impl HeightField {
@@ -154,7 +162,18 @@ impl HeightField {
         let samples = raw.par_iter().enumerate().map(normalise).collect();
         let units = if whole { units_for(high - low) } else { None };
         let holes = holes.map(Arc::new);
-        Ok(Self { width, height, samples, units, range: [low, high], extent_metres: None, exaggeration: 1.0, holes })
+        Ok(Self {
+            width,
+            height,
+            samples,
+            units,
+            range: [low, high],
+            extent_metres: None,
+            exaggeration: 1.0,
+            holes,
+            georeference: None,
+            metric: false,
+        })
     }
 
     /// The map with its holes treated so; only those that are still cut out can be. Filled ones are heights like any
@@ -241,6 +260,30 @@ impl HeightField {
         self
     }
 
+    /// The map at a place in a reference system; a place that no map has ([`Georeference`]'s steps) counts as unknown.
+    #[must_use]
+    pub fn with_georeference(mut self, place: Option<Georeference>) -> Self {
+        self.georeference = place.filter(Georeference::is_sound).map(Arc::new);
+        self
+    }
+
+    /// The map with heights that are metres, or of a unit that is not known.
+    #[must_use]
+    pub fn with_metres(mut self, metric: bool) -> Self {
+        self.metric = metric;
+        self
+    }
+
+    /// Where the samples lie, where that is known.
+    pub fn georeference(&self) -> Option<&Georeference> {
+        self.georeference.as_deref()
+    }
+
+    /// Whether [`Self::range`] is in metres: said so, or because the extent is (they count as metres then).
+    pub fn has_metres(&self) -> bool {
+        self.metric || self.extent_metres.is_some()
+    }
+
     /// Columns, at least 2.
     pub fn width(&self) -> u32 {
         self.width
@@ -320,6 +363,13 @@ impl HeightField {
     pub fn natural_height_scale(&self) -> f64 {
         let scale = Self::proportion(self.extent_metres, self.range) * self.exaggeration;
         // 0 · ∞: a flat map stays flat, however much it is exaggerated.
+        if scale.is_nan() { 0.0 } else { scale.clamp(*HEIGHT_SCALES.start(), *HEIGHT_SCALES.end()) }
+    }
+
+    /// Height of the box over its longer horizontal side with nothing exaggerated: the true proportion where the extent is
+    /// known, else the one that such maps are given. What can be drawn.
+    pub fn true_height_scale(&self) -> f64 {
+        let scale = Self::proportion(self.extent_metres, self.range);
         if scale.is_nan() { 0.0 } else { scale.clamp(*HEIGHT_SCALES.start(), *HEIGHT_SCALES.end()) }
     }
 

@@ -17,13 +17,14 @@ mod pyramid;
 pub mod reference;
 pub mod save;
 mod sidecar;
+pub mod survey;
 #[cfg(test)]
 mod testing;
 
 pub use cone::{ConeKind, ConeMap};
 pub use crater::{Crater, CraterLayer};
 pub use edited::{Edit, EditedTerrain, SampleRect};
-pub(crate) use field::HEIGHT_SCALES;
+pub(crate) use field::{EXAGGERATIONS, HEIGHT_SCALES};
 pub use field::{HeightField, HeightFieldError};
 pub use holes::{HoleMask, Holes};
 pub use load::{LoadError, Loaded};

@@ -14,8 +14,9 @@ use crate::gpu::{Gpu, Target};
 use crate::heightfield::generate::{Kind, generate};
 use crate::heightfield::{Crater, EditedTerrain, HeightField};
 use crate::scene::{
-    CompareSettings, CraterMode, CraterSettings, DebugSettings, DebugView, DiffuseSettings, HeightFilter,
-    LightingSettings, MarchSettings, OccluderSettings, Scene, SkyboxSettings, Technique, TerrainSettings,
+    CompareSettings, CraterMode, CraterSettings, DebugSettings, DebugView, DiffuseSettings, GroundColour, HeightFilter,
+    Hillshade, LandSettings, LightingSettings, MarchSettings, OccluderSettings, Ramp, Scene, SkyboxSettings, Technique,
+    TerrainSettings,
 };
 use crate::scene_file;
 
@@ -36,6 +37,20 @@ fn full_scene() -> Scene {
         },
         compare: CompareSettings { enabled: false, technique: Technique::Linear, share: 0.5 },
         diffuse: DiffuseSettings { enabled: true, file: None, repeats: 2.0 },
+        land: LandSettings {
+            colour: GroundColour::Ramp,
+            ramp: Ramp::Batlow,
+            low: Some(-1.0),
+            high: Some(9.0),
+            slope_max: 50.0,
+            hillshade: Hillshade::Off,
+            hillshade_strength: 0.5,
+            contours: true,
+            contour_interval: Some(0.1),
+            contour_width: 1.5,
+            imagery: None,
+            imagery_opacity: 0.5,
+        },
         lighting: LightingSettings {
             enabled: true,
             sun_azimuth: 300.0,

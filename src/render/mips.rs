@@ -62,6 +62,22 @@ pub(super) fn chain(base: &Image) -> Vec<Image> {
     }
 }
 
+/// The chain below an image whose opacity counts: what is transparent has no colour to mix in.
+pub(super) fn translucent_chain(base: &Image) -> Vec<Image> {
+    let mut levels = chain(base);
+    for index in 0..levels.len() {
+        let (finer, rest) = levels.split_at_mut(index);
+        let (finer, level) = (finer.last().unwrap_or(base), &mut rest[0]);
+        let width = level.width;
+        level.rgba.par_chunks_exact_mut(4).enumerate().for_each(|(texel, rgba)| {
+            if let Some(mixed) = mixed(finer, texel as u32 % width, texel as u32 / width) {
+                rgba.copy_from_slice(&mixed);
+            }
+        });
+    }
+    levels
+}
+
 /// Recomputes the texels of `levels` above `rect` of `base`; returns the rectangle of each level.
 pub(super) fn update(base: &Image, levels: &mut [Image], rect: SampleRect) -> Vec<SampleRect> {
     let mut rect = rect;
@@ -104,6 +120,25 @@ fn average(finer: &Image, level: &mut Image, rect: SampleRect) {
     });
 }
 
+/// The mean of the 2×2 texels of which (`x`, `y`) is made, where one of them is not opaque.
+fn mixed(finer: &Image, x: u32, y: u32) -> Option<[u8; 4]> {
+    let texel = |index: u32| {
+        let (column, line) = ((2 * x + index % 2).min(finer.width - 1), (2 * y + index / 2).min(finer.height - 1));
+        let first = (line as usize * finer.width as usize + column as usize) * 4;
+        <[u8; 4]>::try_from(finer.rgba.get(first..first + 4)?).ok()
+    };
+    let texels = [texel(0)?, texel(1)?, texel(2)?, texel(3)?];
+    if texels.iter().all(|texel| texel[3] == 255) {
+        return None;
+    }
+    let weight: f32 = texels.iter().map(|texel| f32::from(texel[3])).sum();
+    let channel = |channel: usize| {
+        let light = |texel: &[u8; 4]| LINEAR[usize::from(texel[channel])] * f32::from(texel[3]);
+        encode(texels.iter().map(light).sum::<f32>() / weight.max(1.0))
+    };
+    Some([channel(0), channel(1), channel(2), (weight * 0.25).round() as u8])
+}
+
 /// Copies `rect` of `image` into a mip and layer of `texture`, of [`ROOT_FORMAT`]; returns the bytes copied.
 pub(super) fn upload(gpu: &Gpu, texture: &wgpu::Texture, mip: u32, layer: u32, image: &Image, rect: SampleRect) -> u64 {
     let stride = image.width as usize * 4;
@@ -112,6 +147,8 @@ pub(super) fn upload(gpu: &Gpu, texture: &wgpu::Texture, mip: u32, layer: u32, i
     roots.par_chunks_mut(row_bytes).enumerate().with_min_len(16).for_each(|(row, roots)| {
         let texels = &image.rgba[(rect.y as usize + row) * stride + rect.x as usize * 4..][..row_bytes];
         roots.iter_mut().zip(texels).for_each(|(root, &byte)| *root = ROOT[usize::from(byte)]);
+        // Opacity is no light.
+        roots.iter_mut().zip(texels).skip(3).step_by(4).for_each(|(root, &byte)| *root = byte);
     });
     gpu.queue.write_texture(
         wgpu::TexelCopyTextureInfo {
@@ -180,6 +217,16 @@ fn one_line(error: &image::ImageError) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_is_transparent_has_no_colour() {
+        let rgba = [[200, 100, 50, 255], [0, 0, 0, 0], [0, 0, 0, 0], [200, 100, 50, 255]].concat();
+        let base = Image { width: 2, height: 2, rgba };
+        assert_eq!(translucent_chain(&base)[0].rgba, [200, 100, 50, 128]);
+        let opaque = Image { width: 2, height: 2, rgba: vec![90; 12].into_iter().chain([255; 4]).collect() };
+        let opaque = Image { rgba: opaque.rgba.chunks(4).flat_map(|t| [t[0], t[1], t[2], 255]).collect(), ..opaque };
+        assert_eq!(translucent_chain(&opaque)[0].rgba, chain(&opaque)[0].rgba);
+    }
 
     #[test]
     fn an_update_equals_a_fresh_chain() {

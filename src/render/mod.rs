@@ -16,6 +16,7 @@ mod error;
 mod frame;
 mod ground;
 mod heat_map;
+mod land;
 mod ledger;
 #[cfg(test)]
 mod loops_tests;
@@ -58,6 +59,7 @@ use drape::Drape;
 use frame::FrameBindings;
 pub(crate) use frame::ray_start;
 use ground::Ground;
+use land::Land;
 use occluder::CubeBindings;
 use pipelines::{PipelineKey, Pipelines};
 use prepare::{Aim, Draw, Passes};
@@ -82,6 +84,7 @@ pub struct Renderer {
     wireframe: CubeBindings,
     ground: Option<Ground>,
     drape: Option<Drape>,
+    land: Land,
     skybox: Option<Skybox>,
     beams: Option<Beams>,
     /// Exact distances that a frame of the error view finds itself.
@@ -144,6 +147,7 @@ impl Renderer {
             wireframe: CubeBindings::new(&gpu, "wireframe"),
             ground: None,
             drape: None,
+            land: Land::new(&gpu),
             skybox: None,
             beams: None,
             exact: None,
@@ -189,6 +193,7 @@ impl Renderer {
         }
         self.ground = Some(ground);
         self.drape = Some(Drape::new(prepared.colours));
+        self.land.forget_place();
         Ok(())
     }
 
@@ -384,6 +389,7 @@ impl Renderer {
             ground.list(&mut textures);
         }
         textures.extend(self.drape.as_ref().and_then(Drape::entry));
+        self.land.list(&mut textures);
         textures.extend(self.skybox.as_ref().map(Skybox::entry));
         textures.extend(self.beams.iter().flat_map(Beams::entries));
         textures.extend(self.exact.as_ref().or(self.reference.as_ref()).map(ExactDistances::entry));

@@ -91,6 +91,8 @@ impl Renderer {
         if !probe {
             self.prepare_drape(scene, terrains.iter().any(|(_, key)| key.diffuse))?;
             self.prepare_skybox(scene)?;
+            let land = terrains.first().map(|(_, key)| key.land).unwrap_or_default();
+            self.prepare_land(land, &scene.land, view.extent)?;
         }
         let exact = self.prepare_exact(scene, &view, size, probe).map(|key| over_holes(key.in_a_deep_zoom(view.deep)));
         let whole = Area::whole(size);
@@ -363,6 +365,7 @@ impl Renderer {
         let textures = Textures {
             ground,
             drape: self.drape.as_ref(),
+            land: &self.land,
             beams: self.beams.as_ref(),
             given: if let Aim::Given(distances) = aim { Some(distances) } else { None },
             exact: self.reference.as_ref().or(self.exact.as_ref()).map(ExactDistances::view),

@@ -11,6 +11,7 @@ use super::cube::corner;
 use super::drape::Drape;
 use super::frame::{corner_sampler_entry, sampler_entry, texture_entry, uniform_buffer, uniform_entry};
 use super::ground::Ground;
+use super::land::Land;
 use super::pipelines::{Built, PassDescription};
 
 pub(super) use super::terrain_key::{Output, TerrainKey};
@@ -50,11 +51,11 @@ pub(super) fn describe(key: TerrainKey) -> PassDescription {
         if key.needs_cones().is_some() {
             modules.push("cones.wgsl");
         }
-        modules.extend([key.march_file(), "shading.wgsl"]);
+        modules.extend([key.march_file(), "shading.wgsl", "land.wgsl"]);
         name = format!("terrain {}", key.technique.name());
     } else if key.given {
         bindings.push(texture_entry(GIVEN_DISTANCES, false, false));
-        modules.push("shading.wgsl");
+        modules.extend(["shading.wgsl", "land.wgsl"]);
         name = "terrain of given distances".to_owned();
     }
     if key.needs_exact_distances() {
@@ -78,6 +79,7 @@ pub(super) fn describe(key: TerrainKey) -> PassDescription {
     if key.diffuse {
         bindings.extend([texture_entry(5, true, false), sampler_entry(6)]);
     }
+    bindings.extend(key.land.bindings());
     let defs = key.defs();
     PassDescription {
         name: format!("{name} [{}]", defs.join(" ")),
@@ -133,6 +135,7 @@ pub(super) fn whole_picture() -> [DVec4; 8] {
 pub(super) struct Textures<'a> {
     pub(super) ground: &'a Ground,
     pub(super) drape: Option<&'a Drape>,
+    pub(super) land: &'a Land,
     pub(super) beams: Option<&'a Beams>,
     /// Distances to read instead of casting rays.
     pub(super) given: Option<&'a wgpu::TextureView>,
@@ -191,7 +194,7 @@ impl TerrainBindings {
         uniform: &TerrainUniform,
         textures: &Textures<'_>,
     ) -> Option<wgpu::BindGroup> {
-        let &Textures { ground, drape, beams, given, exact } = textures;
+        let &Textures { ground, drape, land, beams, given, exact } = textures;
         gpu.queue.write_buffer(&self.buffer, 0, bytemuck::bytes_of(uniform));
         let view = wgpu::BindingResource::TextureView;
         let mut entries = vec![(0, self.buffer.as_entire_binding())];
@@ -223,6 +226,7 @@ impl TerrainBindings {
             let sampler = if uniform.repeats > 1.0 { &self.repeated } else { &self.clamped };
             entries.extend([(5, view(drape?.view()?)), (6, wgpu::BindingResource::Sampler(sampler))]);
         }
+        entries.extend(land.entries(key.land)?);
         Some(bind(gpu, built, entries))
     }
 

@@ -1,5 +1,6 @@
 //! Which pipeline a scene needs for its terrain.
 
+use super::land::LandKey;
 use crate::heightfield::ConeKind;
 use crate::scene::{CraterMode, DebugView, HeightFilter, Scene, Technique};
 
@@ -32,6 +33,8 @@ pub(super) struct TerrainKey {
     pub(super) deep: bool,
     /// A probe counts texel reads in place of steps.
     pub(super) counts: bool,
+    /// The land is shown as on a map (`land.rs`).
+    pub(super) land: LandKey,
     pub(super) output: Output,
 }
 
@@ -46,6 +49,7 @@ impl TerrainKey {
         let march = &scene.march;
         let output = if probe { Output::Probe } else { Output::View(scene.debug.view) };
         let shaded = output == Output::View(DebugView::None);
+        let land = if shaded { LandKey::of(&scene.land) } else { LandKey::default() };
         let key = Self {
             technique,
             filter: if technique.samples_uniformly() { march.filter } else { HeightFilter::Exact },
@@ -53,13 +57,14 @@ impl TerrainKey {
             lower_start: march.lower_start,
             // A miss is an error to be shown, whatever a picture would show in its place.
             discard_misses: march.discard_misses || output == Output::View(DebugView::Error),
-            lighting: shaded && scene.lighting.enabled,
-            diffuse: shaded && scene.diffuse.enabled,
+            lighting: shaded && scene.lighting.enabled && !land.lights_ground(),
+            diffuse: shaded && scene.diffuse.enabled && !land.colours_ground(),
             layered: scene.craters.mode == CraterMode::Layered && !scene.craters.list.is_empty(),
             given: false,
             holes: false,
             deep: false,
             counts: false,
+            land,
             output,
         };
         if key.finds_ground() { key } else { Self::without_rays() }
@@ -114,11 +119,11 @@ impl TerrainKey {
 
     /// Whether heights are read: by the rays, or for normals alone.
     pub(super) fn reads_heights(&self) -> bool {
-        self.marches() || self.needs_normals()
+        self.marches() || self.needs_normals() || self.land.reads_heights()
     }
 
     fn needs_normals(&self) -> bool {
-        self.lighting || self.output == Output::View(DebugView::Normals)
+        self.lighting || self.land.needs_normals() || self.output == Output::View(DebugView::Normals)
     }
 
     /// Whether hits are compared with the exact distances.
@@ -155,6 +160,7 @@ impl TerrainKey {
             holes: false,
             deep: false,
             counts: false,
+            land: LandKey::default(),
             output: Output::View(DebugView::Position),
         }
     }
@@ -193,6 +199,16 @@ impl TerrainKey {
                 keys.extend(found.into_iter().flat_map(|key| [key, key.over_holes(true)]));
             }
         }
+        // Of the land, a few with each other and with what changes how heights are read: not every pair.
+        let base = Self::of(&Scene::default(), false);
+        let layered = Self { layered: true, ..base };
+        for base in [base, layered, base.in_a_deep_zoom(true), base.with_given_distances()] {
+            keys.extend(LandKey::some().into_iter().flat_map(|land| {
+                let (lighting, diffuse) = (!land.lights_ground(), !land.colours_ground());
+                let key = Self { land, lighting, diffuse, ..base };
+                [key, key.over_holes(true)]
+            }));
+        }
         keys.into_iter().collect()
     }
 
@@ -224,6 +240,7 @@ impl TerrainKey {
         ]
         .into_iter()
         .filter_map(|(on, def)| on.then_some(def))
+        .chain(self.land.defs())
         .collect()
     }
 

@@ -94,6 +94,32 @@ fn rust_and_wgsl_agree_on_every_uniform() {
             ambient,
         ]
     );
+    let lines = land::LandKey { contours: true, ..Default::default() };
+    let pass = terrain::describe(TerrainKey { land: lines, ..key });
+    let module = sources().compose(pass.file, &pass.modules, &pass.defs).unwrap();
+    assert_layout!(
+        &module,
+        "Land",
+        land::LandUniform,
+        [
+            ramp_low,
+            ramp_middle,
+            ramp_high,
+            height_unit,
+            contours_per_share,
+            contour_offset,
+            contour_width,
+            slope_factor,
+            slope_max,
+            hillshade_strength,
+            imagery_opacity,
+            imagery_density,
+            imagery_u,
+            padding,
+            imagery_v,
+            imagery_texels,
+        ]
+    );
     let pass = terrain::describe(key.in_a_deep_zoom(true));
     let module = sources().compose(pass.file, &pass.modules, &pass.defs).unwrap();
     assert_layout!(

@@ -11,7 +11,7 @@ use super::sweep::{ROUNDS, first_line};
 use super::{Halt, Job};
 use crate::heightfield::Crater;
 use crate::render::RenderError;
-use crate::scene::{CraterMode, HeightFilter, Scene, Technique};
+use crate::scene::{CraterMode, GroundColour, HeightFilter, Hillshade, Scene, Technique};
 
 /// A feature that is switched against the base frame.
 #[derive(Clone, Debug, Serialize)]
@@ -55,7 +55,7 @@ fn variants(job: &Job, scene: &Scene, able: &[Technique]) -> Vec<(String, Scene,
     Setting::BASE.apply(&mut base.march);
     base.lighting.enabled = true;
     let list = craters(job);
-    let changes: [Change<'_>; 10] = [
+    let changes: [Change<'_>; 15] = [
         ("base frame", None, &|_| {}),
         ("without halvings", None, &|scene| scene.march.binary_steps = 0),
         ("fixed steps (512) instead of by angle", None, &|scene| scene.march.steps_by_angle = false),
@@ -66,6 +66,13 @@ fn variants(job: &Job, scene: &Scene, able: &[Technique]) -> Vec<(String, Scene,
             (scene.craters.mode, scene.craters.list) = (CraterMode::Layered, list.clone());
         }),
         ("ten craters, baked", None, &|scene| scene.craters.list.clone_from(&list)),
+        ("colours by height (a ramp) instead of a texture", None, &|scene| scene.land.colour = GroundColour::Ramp),
+        ("colours by slope", None, &|scene| scene.land.colour = GroundColour::Slope),
+        ("colours by aspect", None, &|scene| scene.land.colour = GroundColour::Aspect),
+        ("contour lines", None, &|scene| scene.land.contours = true),
+        ("hillshade from four directions instead of lighting", None, &|scene| {
+            scene.land.hillshade = Hillshade::Multidirectional;
+        }),
         ("without lighting", None, &|scene| scene.lighting.enabled = false),
         ("without a diffuse texture", None, &|scene| scene.diffuse.enabled = !scene.diffuse.enabled),
     ];

@@ -116,6 +116,31 @@ const LIGHTING: &[Row] = &[
     ("Enable lighting", Click, "/scene/lighting/enabled", NoDef("LIGHTING")),
 ];
 
+const LAND: &[Row] = &[
+    ("Contours", Click, "/scene/land/contours", Def("LAND_CONTOURS")),
+    ("Contour interval", Slide(0.7), "/scene/land/contour_interval", Nothing),
+    ("Contour interval value", Number("50"), "/scene/land/contour_interval", Nothing),
+    ("Automatic interval", Click, "/scene/land/contour_interval", Nothing),
+    ("Contour width", Slide(0.5), "/scene/land/contour_width", Nothing),
+    ("Contour width value", Number("2"), "/scene/land/contour_width", Nothing),
+    ("Ground colour", Choose("slope"), "/scene/land/colour", Def("LAND_SLOPE")),
+    ("Steepest slope", Slide(0.3), "/scene/land/slope_max", Nothing),
+    ("Steepest slope value", Number("40"), "/scene/land/slope_max", Nothing),
+    ("Ground colour", Choose("aspect"), "/scene/land/colour", Def("LAND_ASPECT")),
+    ("Ground colour", Choose("ramp"), "/scene/land/colour", Def("LAND_RAMP")),
+    ("Ramp", Choose("viridis"), "/scene/land/ramp", Uploads),
+    ("Ramp low", Slide(0.2), "/scene/land/low", Nothing),
+    ("Ramp low value", Number("600"), "/scene/land/low", Nothing),
+    ("Ramp high", Slide(0.8), "/scene/land/high", Nothing),
+    ("Ramp high value", Number("2000"), "/scene/land/high", Nothing),
+    ("Whole range", Click, "/scene/land", Nothing),
+    ("Hillshade", Choose("sun"), "/scene/land/hillshade", Def("HILLSHADE")),
+    ("Hillshade strength", Slide(0.5), "/scene/land/hillshade_strength", Nothing),
+    ("Hillshade strength value", Number("0.4"), "/scene/land/hillshade_strength", Nothing),
+    ("Probe", Click, "", Nothing),
+    ("Measure", Click, "/reading/measuring", Nothing),
+];
+
 const SKYBOX: &[Row] = &[
     ("Flattening", Slide(0.5), "/scene/skybox/flattening", Nothing),
     ("Flattening value", Number("3"), "/scene/skybox/flattening", Nothing),
@@ -178,13 +203,14 @@ const FRAME: &[Row] = &[
 ];
 
 /// Sections, their rows, what their reset button is called, and the part of the scene it restores.
-const SECTIONS: [(&str, &[Row], &str, &str); 11] = [
+const SECTIONS: [(&str, &[Row], &str, &str); 12] = [
     ("Terrain", TERRAIN, "Reset terrain", "/terrain"),
     ("Camera", CAMERA, "Reset camera", "/camera"),
     ("March", MARCH, "Reset march", "/march"),
     ("Compare", COMPARE, "Reset compare", "/compare"),
     ("Diffuse", DIFFUSE, "Reset diffuse", "/diffuse"),
     ("Lighting", LIGHTING, "Reset lighting", "/lighting"),
+    ("Land", LAND, "Reset land", "/land"),
     ("Skybox", SKYBOX, "Reset skybox", "/skybox"),
     ("Occluder", OCCLUDER, "Reset occluder", "/occluder"),
     ("Craters", CRATERS, "Reset craters", "/craters"),
@@ -193,7 +219,7 @@ const SECTIONS: [(&str, &[Row], &str, &str); 11] = [
 ];
 
 /// Widgets that are used outside the table, and where.
-const ELSEWHERE: [(&str, &str); 18] = [
+const ELSEWHERE: &[(&str, &str)] = &[
     ("Target x", "typed in by the panel's own tests, by name"),
     ("Target y", "the same"),
     ("Target z", "the same"),
@@ -201,6 +227,15 @@ const ELSEWHERE: [(&str, &str); 18] = [
     ("Camera path", "the same"),
     ("Interface", "the same, and by the test of what is kept"),
     ("Keys", "the same"),
+    ("Vertical exaggeration", "the test of reading the land types its number"),
+    ("Vertical exaggeration value", "typed in by the test of reading the land"),
+    ("Imagery file", "the canyon does not say where it lies: toggles/land.rs draws pictures where they belong"),
+    ("Apply imagery", "the same"),
+    ("Remove imagery", "the same"),
+    ("Imagery opacity", "the same"),
+    ("Imagery opacity value", "the same"),
+    ("Export profile", "pressed by the test of reading the land"),
+    ("End measuring", "Esc and the section's check box do the same"),
     ("Tradeoff", "opened by the test of comparing, and below"),
     ("Measure techniques", "pressed by the test of comparing"),
     ("Reset tradeoff", "pressed by the test of comparing"),
@@ -320,7 +355,7 @@ fn every_widget_changes_what_it_should_and_only_that() {
     window.section("Tradeoff", true);
     window.section("Ledger", true);
 
-    used.extend(ELSEWHERE.map(|(label, _)| label.to_owned()));
+    used.extend(ELSEWHERE.iter().map(|(label, _)| (*label).to_owned()));
     used.extend(FACES.map(|face| format!("Sky face {face}")));
     let seen = window.labels();
     // The help's title bar, by which it is moved, is an unnamed part of egui's window and no widget.

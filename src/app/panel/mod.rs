@@ -9,6 +9,7 @@ mod diffuse;
 mod frame;
 mod interface;
 mod keys;
+mod land;
 mod ledger;
 mod lighting;
 mod march;
@@ -46,7 +47,7 @@ pub(crate) struct Panel<'a> {
 type Section = (&'static str, fn(&mut egui::Ui, &mut Panel<'_>));
 
 /// All sections from top to bottom.
-const SECTIONS: [Section; 17] = [
+const SECTIONS: [Section; 18] = [
     ("Terrain", terrain::show),
     ("Camera", camera::show),
     ("Bookmarks", bookmarks::show),
@@ -55,6 +56,7 @@ const SECTIONS: [Section; 17] = [
     ("Compare", compare::show),
     ("Diffuse", diffuse::show),
     ("Lighting", lighting::show),
+    ("Land", land::show),
     ("Skybox", skybox::show),
     ("Occluder", occluder::show),
     ("Craters", craters::show),

@@ -7,6 +7,7 @@ use egui::Ui;
 use super::Panel;
 use super::widgets::{Number, button_unless, fact, section, text};
 use crate::app::settings::Command;
+use crate::heightfield::EXAGGERATIONS;
 use crate::scene::TerrainSettings;
 
 pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
@@ -27,6 +28,14 @@ pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
                        Taller boxes have longer rays, which costs steps.";
         if Number::new("Height scale", tooltip).decimals(4).logarithmic().slider(ui, &mut scale, 0.0..=2.0) {
             scene.terrain.height_scale = Some(scale);
+        }
+        let own = facts.map.true_height_scale();
+        let mut times = if own > 0.0 { scale / own } else { 1.0 };
+        let tooltip = "Heights over their true proportion ([ and ]); the eye keeps its height above the ground. \
+                       Taller boxes have longer rays, which costs steps.";
+        let number = Number::new("Vertical exaggeration", tooltip).unit(" ×").logarithmic();
+        if number.disabled_when(own <= 0.0, "the map has no heights").slider(ui, &mut times, EXAGGERATIONS) {
+            commands.push(Command::Exaggerate(times));
         }
         let tooltip = format!("Sets the height scale to the map's own, {:.4}. Free.", facts.true_height_scale);
         let unknown = facts.extent_metres.is_none().then_some(

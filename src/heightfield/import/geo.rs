@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::transverse_mercator::from_utm;
+
 /// WGS 84's equatorial radius, metres.
 const RADIUS: f64 = 6_378_137.0;
 /// WGS 84's first eccentricity, squared.
@@ -130,7 +132,7 @@ impl Georeference {
     }
 
     /// Whether all numbers can be those of a map.
-    pub(super) fn is_sound(&self) -> bool {
+    pub(in crate::heightfield) fn is_sound(&self) -> bool {
         let numbers = [self.origin, self.column, self.row].concat();
         let determinant = self.column[0] * self.row[1] - self.column[1] * self.row[0];
         numbers.iter().all(|number| number.is_finite()) && determinant != 0.0 && determinant.is_finite()
@@ -163,6 +165,29 @@ impl Georeference {
         self.column = self.column.map(|step| step * f64::from(factor));
         self.row = self.row.map(|step| step * f64::from(factor));
         self
+    }
+
+    /// The column and row at which these coordinates lie.
+    pub fn column_row(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        let (dx, dy) = (x - self.origin[0], y - self.origin[1]);
+        let ([a, d], [b, e]) = (self.column, self.row);
+        let determinant = a * e - b * d;
+        [(dx * e - dy * b) / determinant, (dy * a - dx * d) / determinant]
+    }
+
+    /// Why coordinates of the one are none of the other, as far as is known of both; `None` where nothing says so.
+    pub fn differs_from(&self, other: &Self) -> Option<String> {
+        let name = |place: &Self| place.crs.clone().unwrap_or_else(|| "a system without a name".into());
+        let told = || Some(format!("{} against {}", name(self), name(other)));
+        let mercator = |place: &Self| place.unit == Some(GroundUnit::WebMercator);
+        if mercator(self) && mercator(other) {
+            return None;
+        }
+        if let (Some(one), Some(two)) = (self.epsg, other.epsg) {
+            return if one == two { None } else { told() };
+        }
+        let kind = |place: &Self| place.unit.map(|unit| std::mem::discriminant(&unit));
+        if self.crs.is_some() && other.crs.is_some() && kind(self) != kind(other) { told() } else { None }
     }
 
     /// Whether the axes are not east and north.
@@ -207,7 +232,13 @@ impl Georeference {
     /// Metres on the ground from column to column and from row to row, at the map's middle; `None` where the unit is not
     /// known or the numbers are no map's.
     pub fn metres_per_sample(&self, [width, height]: [u32; 2]) -> Option<[f64; 2]> {
-        let middle = self.at(f64::from(width.max(1) - 1) * 0.5, f64::from(height.max(1) - 1) * 0.5);
+        self.metres_per_step(f64::from(width.max(1) - 1) * 0.5, f64::from(height.max(1) - 1) * 0.5)
+    }
+
+    /// The same at a column and row, which may lie between samples: degrees and Web Mercator's metres are not equally long
+    /// everywhere.
+    pub fn metres_per_step(&self, column: f64, row: f64) -> Option<[f64; 2]> {
+        let middle = self.at(column, row);
         let per_unit = match self.unit? {
             GroundUnit::Metres(unit) => [unit, unit],
             GroundUnit::Degrees(unit) => {
@@ -248,34 +279,6 @@ fn utm_zone(epsg: u32) -> Option<(u32, bool)> {
         26901..=26923 => Some((epsg - 26900, false)),
         _ => None,
     }
-}
-
-/// Longitude and latitude of a place in UTM. (Snyder 1987, "Map projections: a working manual", p. 63.)
-fn from_utm(x: f64, y: f64, zone: u32, south: bool) -> [f64; 2] {
-    const SCALE: f64 = 0.9996;
-    let (e2, easting) = (ECCENTRICITY_2, (x - 500_000.0) / SCALE);
-    let northing = if south { y - 10_000_000.0 } else { y } / SCALE;
-    let mu = northing / (RADIUS * (1.0 - e2 / 4.0 - 3.0 * e2 * e2 / 64.0 - 5.0 * e2.powi(3) / 256.0));
-    let e1 = (1.0 - (1.0 - e2).sqrt()) / (1.0 + (1.0 - e2).sqrt());
-    let foot = mu
-        + (1.5 * e1 - 27.0 / 32.0 * e1.powi(3)) * (2.0 * mu).sin()
-        + (21.0 / 16.0 * e1 * e1 - 55.0 / 32.0 * e1.powi(4)) * (4.0 * mu).sin()
-        + 151.0 / 96.0 * e1.powi(3) * (6.0 * mu).sin()
-        + 1097.0 / 512.0 * e1.powi(4) * (8.0 * mu).sin();
-    let second = e2 / (1.0 - e2);
-    let (sine, cosine) = foot.sin_cos();
-    let (c, t) = (second * cosine * cosine, (sine / cosine).powi(2));
-    let flat = 1.0 - e2 * sine * sine;
-    let (n, r) = (RADIUS / flat.sqrt(), RADIUS * (1.0 - e2) / (flat * flat.sqrt()));
-    let d = easting / n;
-    let latitude = foot
-        - n * (sine / cosine) / r
-            * (d * d / 2.0 - (5.0 + 3.0 * t + 10.0 * c - 4.0 * c * c - 9.0 * second) * d.powi(4) / 24.0
-                + (61.0 + 90.0 * t + 298.0 * c + 45.0 * t * t - 252.0 * second - 3.0 * c * c) * d.powi(6) / 720.0);
-    let longitude = (d - (1.0 + 2.0 * t + c) * d.powi(3) / 6.0
-        + (5.0 - 2.0 * c + 28.0 * t - 3.0 * c * c + 8.0 * second + 24.0 * t * t) * d.powi(5) / 120.0)
-        / cosine;
-    [f64::from(zone) * 6.0 - 183.0 + longitude.to_degrees(), latitude.to_degrees()]
 }
 
 /// The reference system in a text of the "well-known" kind (WKT 1, also Esri's), as far as a viewer needs it: its number
@@ -393,6 +396,22 @@ mod tests {
         (32611, [250_000.0, 3_900_000.0], [-119.746_421_250_254_7, 35.211_910_798_187_034]),
         (32719, [700_000.0, 7_500_000.0], [-67.054_449_779_880_94, -22.595_067_595_103_338]),
     ];
+
+    #[test]
+    fn places_go_back_to_columns_and_systems_are_told_apart() {
+        let turned =
+            Georeference { row: [0.5, -3.0], column: [2.0, 0.25], ..Georeference::new([10.0, 20.0], [1.0, 1.0]) };
+        let [column, row] = turned.column_row(turned.at(7.5, -2.0));
+        assert!((column - 7.5).abs() < 1e-12 && (row + 2.0).abs() < 1e-12, "{column} {row}");
+        let of = |epsg| Georeference::new([0.0, 0.0], [1.0, -1.0]).with_epsg(epsg);
+        assert_eq!(of(32611).differs_from(&of(32612)).as_deref(), Some("EPSG:32611 against EPSG:32612"));
+        assert_eq!(of(3857).differs_from(&of(900_913)), None, "one system by two numbers");
+        assert_eq!(of(4326).differs_from(&Georeference::new([0.0, 0.0], [1.0, -1.0])), None, "nothing is known");
+        // A degree of longitude is half as long at 60° as on the equator.
+        let world = Georeference::new([-180.0, 90.0], [1.0, -1.0]).with_epsg(4326);
+        let east = |row: f64| world.metres_per_step(100.0, row).unwrap()[0];
+        assert!((east(30.0) / east(90.0) - 0.5).abs() < 2e-3);
+    }
 
     #[test]
     fn the_other_end_and_a_part_are_the_same_ground() {

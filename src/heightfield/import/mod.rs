@@ -9,6 +9,7 @@ mod gather;
 mod geo;
 mod geokeys;
 mod hgt;
+pub mod imagery;
 mod netcdf;
 mod netcdf_header;
 mod openexr;
@@ -20,6 +21,7 @@ pub(super) mod source;
 mod terragen;
 mod tiff;
 mod tiff_directory;
+mod transverse_mercator;
 mod usgs_dem;
 
 use std::io::Read;

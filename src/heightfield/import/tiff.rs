@@ -18,7 +18,7 @@ const MOST_CHUNK: u64 = 1 << 30;
 /// Bytes of a map that one byte of a file can stand for, counting tiles that are left out.
 const MOST_PER_BYTE: u64 = 1 << 16;
 
-type TiffReader<'r, 's> = Decoder<&'r mut std::io::BufReader<Counting<'s>>>;
+pub(super) type TiffReader<'r, 's> = Decoder<&'r mut std::io::BufReader<Counting<'s>>>;
 
 fn fault(error: TiffError) -> Fault {
     match error {
@@ -315,7 +315,7 @@ fn read<T: FromChunk>(
 }
 
 /// The tags of the place; one that cannot be read is as good as none.
-fn geo_tags(decoder: &mut TiffReader) -> GeoTags {
+pub(super) fn geo_tags(decoder: &mut TiffReader) -> GeoTags {
     let doubles = |decoder: &mut TiffReader, tag: Tag| {
         decoder.find_tag(tag).ok().flatten().and_then(|value| value.into_f64_vec().ok()).unwrap_or_default()
     };
