@@ -14,7 +14,7 @@ use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ImageEncoder, Rgb, RgbImage, Rgba, RgbaImage};
 use relief::camera::NamedView;
 use relief::heightfield::{Crater, HeightField};
-use relief::scene::{CraterMode, DebugView, GroundColour, Hillshade, HeightFilter, Ramp, Scene, Technique};
+use relief::scene::{CraterMode, DebugView, GroundColour, HeightFilter, Hillshade, Ramp, Scene, Technique};
 
 /// Another version of the driver may round another way; more than this is another picture.
 const TOLERANCE: Tolerance = Tolerance { channel: 8, pixels: 0.002 };
@@ -140,9 +140,11 @@ fn colour_cases(start: &Scene) -> Vec<Case> {
 fn land_cases(map: &HeightField, start: &Scene) -> Vec<Case> {
     let (valley, down) = (scene_at(NamedView::Valley, map), scene_at(NamedView::Down, map));
     let ramp = |ramp| move |scene: &mut Scene| (scene.land.colour, scene.land.ramp) = (GroundColour::Ramp, ramp);
-    let coloured = |colour| move |scene: &mut Scene| {
-        scene.land.colour = colour;
-        scene.lighting.enabled = false;
+    let coloured = |colour| {
+        move |scene: &mut Scene| {
+            scene.land.colour = colour;
+            scene.lighting.enabled = false;
+        }
     };
     vec![
         case("land-ramp", start, ramp(Ramp::Oleron)),
@@ -204,7 +206,12 @@ fn thing_cases(map: &HeightField, start: &Scene) -> Vec<Case> {
 
 fn cases(map: &HeightField) -> Vec<Case> {
     let start = scene_at(NamedView::Start, map);
-    march_cases(map, &start).into_iter().chain(colour_cases(&start)).chain(thing_cases(map, &start)).chain(land_cases(map, &start)).collect()
+    march_cases(map, &start)
+        .into_iter()
+        .chain(colour_cases(&start))
+        .chain(thing_cases(map, &start))
+        .chain(land_cases(map, &start))
+        .collect()
 }
 
 /// As small as PNG gets: opaque, so without alpha.

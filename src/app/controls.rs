@@ -358,7 +358,11 @@ mod tests {
         assert_eq!(Shortcut::from_key(KeyCode::KeyC, Some('c'), false, false), Some(Shortcut::Crater));
         assert_eq!(Shortcut::from_key(KeyCode::KeyA, Some('q'), true, false), Some(Shortcut::Quit), "AZERTY");
         assert_eq!(Shortcut::from_key(KeyCode::KeyQ, Some('q'), false, false), None, "Q alone flies down");
-        assert_eq!(Shortcut::from_key(KeyCode::Digit8, Some('['), false, false), Some(Shortcut::ExaggerateLess), "AltGr");
+        assert_eq!(
+            Shortcut::from_key(KeyCode::Digit8, Some('['), false, false),
+            Some(Shortcut::ExaggerateLess),
+            "AltGr"
+        );
         assert_eq!(Shortcut::from_key(KeyCode::BracketRight, Some('+'), false, false), Some(Shortcut::ExaggerateMore));
         assert_eq!(Direction::from_key(KeyCode::KeyW), Some(Direction::Forward));
     }

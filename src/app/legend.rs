@@ -82,7 +82,10 @@ fn bar(ui: &mut Ui, width: f32, colour: impl Fn(f32) -> [u8; 3]) {
     for stop in 0..STOPS {
         let [from, to] = [stop, stop + 1].map(|stop| rect.left() + stop as f32 / STOPS as f32 * rect.width());
         let [red, green, blue] = colour((stop as f32 + 0.5) / STOPS as f32);
-        mesh.add_colored_rect(Rect::from_min_max(pos2(from, rect.top()), pos2(to, rect.bottom())), Color32::from_rgb(red, green, blue));
+        mesh.add_colored_rect(
+            Rect::from_min_max(pos2(from, rect.top()), pos2(to, rect.bottom())),
+            Color32::from_rgb(red, green, blue),
+        );
     }
     painter.add(Shape::mesh(mesh));
 }

@@ -253,7 +253,12 @@ pub(crate) fn help(ctx: &Context, free: Rect, open: &mut bool) {
 }
 
 /// A dark box over the picture that takes no clicks. `corner` of the box lies at the position, in points. Where it is.
-pub(crate) fn boxed(ctx: &Context, name: &str, (corner, position): (Align2, Pos2), contents: impl FnOnce(&mut Ui)) -> Rect {
+pub(crate) fn boxed(
+    ctx: &Context,
+    name: &str,
+    (corner, position): (Align2, Pos2),
+    contents: impl FnOnce(&mut Ui),
+) -> Rect {
     let area = Area::new(Id::unique(name)).interactable(false).order(Order::Middle);
     let shown = area.pivot(corner).fixed_pos(position).show(ctx, |ui| {
         let frame = Frame::popup(ui.style()).fill(Color32::from_black_alpha(170));

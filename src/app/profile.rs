@@ -51,7 +51,8 @@ pub(crate) fn show(ctx: &Context, free: Rect, profile: Option<&Profile>, map: &H
             }
         }
         ui.horizontal(|ui| {
-            let tooltip = "Writes distance, height and place of every point to a CSV file in the folder for screenshots.";
+            let tooltip =
+                "Writes distance, height and place of every point to a CSV file in the folder for screenshots.";
             let export = ui.add_enabled(profile.is_some(), egui::Button::new("Export profile")).on_hover_text(tooltip);
             if export.clicked() {
                 asked = Some(Asked::Export);
@@ -101,7 +102,12 @@ fn in_lines(profile: &Profile, map: &HeightField) -> [String; 3] {
     };
     let [climb, descent] = profile.climb_and_descent;
     [
-        format!("Level {}, straight {}, along the ground {}", length(profile.level), length(profile.straight), length(profile.along_ground)),
+        format!(
+            "Level {}, straight {}, along the ground {}",
+            length(profile.level),
+            length(profile.straight),
+            length(profile.along_ground)
+        ),
         format!("Rise {}, climb {}, descent {}", height(profile.rise), height(climb), height(descent)),
         format!("Steepest {:.1}°{}", profile.steepest, if profile.metric { "" } else { " as drawn" }),
     ]
@@ -116,10 +122,13 @@ fn plot(ui: &mut egui::Ui, profile: &Profile, map: &HeightField) {
     let heights = if map.has_metres() { " m" } else { "" };
     let plot = Plot::new("profile").width(SIZE[0]).height(SIZE[1]).sense(Sense::hover());
     let plot = plot.allow_drag(false).allow_zoom(false).allow_scroll(false).allow_boxed_zoom(false);
-    let plot = plot.x_axis_label(format!("distance, {unit}")).y_axis_label(format!("height{}", if heights.is_empty() { "" } else { ", m" }));
+    let plot = plot
+        .x_axis_label(format!("distance, {unit}"))
+        .y_axis_label(format!("height{}", if heights.is_empty() { "" } else { ", m" }));
     plot.show(ui, |ui| {
         for piece in pieces(profile) {
-            let points: PlotPoints<'_> = piece.into_iter().map(|[distance, height]| [distance * scale, height]).collect();
+            let points: PlotPoints<'_> =
+                piece.into_iter().map(|[distance, height]| [distance * scale, height]).collect();
             ui.line(Line::new("ground", points).color(egui::Color32::from_rgb(230, 159, 0)).width(2.0));
         }
     });
@@ -149,7 +158,8 @@ pub(crate) fn save(folder: &Path, profile: &Profile, map: &HeightField) -> io::R
     std::fs::create_dir_all(folder)?;
     let free = (1..=LAST_NUMBER).map(|number| folder.join(format!("relief-profile-{number:04}.csv")));
     let path = free.into_iter().find(|path| !path.exists());
-    let path = path.ok_or_else(|| io::Error::new(io::ErrorKind::AlreadyExists, "all names are taken; move some files away"))?;
+    let path =
+        path.ok_or_else(|| io::Error::new(io::ErrorKind::AlreadyExists, "all names are taken; move some files away"))?;
     files::write_whole(&path, profile.to_csv(map).as_bytes())?;
     Ok(path)
 }

@@ -119,17 +119,17 @@ fn contours(text: &str) -> Result<Contours, String> {
     }
     let interval = finite(text)?;
     let valid = crate::scene::land::INTERVALS;
-    if valid.contains(&interval) { Ok(Contours::Every(interval)) } else { Err("it must be above 0, or auto".to_owned()) }
+    if valid.contains(&interval) {
+        Ok(Contours::Every(interval))
+    } else {
+        Err("it must be above 0, or auto".to_owned())
+    }
 }
 
 fn exaggeration(text: &str) -> Result<f64, String> {
     let times = finite(text)?;
     let valid = crate::heightfield::EXAGGERATIONS;
-    if valid.contains(&times) {
-        Ok(times)
-    } else {
-        Err(format!("it must be {} to {}", valid.start(), valid.end()))
-    }
+    if valid.contains(&times) { Ok(times) } else { Err(format!("it must be {} to {}", valid.start(), valid.end())) }
 }
 
 #[cfg(test)]

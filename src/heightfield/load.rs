@@ -316,7 +316,8 @@ fn interpret(
     };
     // The sidecar's heights are metres, whatever the file's are.
     let stated = sidecar.as_ref().is_some_and(|sidecar| sidecar.range().is_some());
-    let field = field.with_georeference(facts.georeference.clone()).with_metres(stated || facts.vertical_unit.is_some());
+    let field =
+        field.with_georeference(facts.georeference.clone()).with_metres(stated || facts.vertical_unit.is_some());
     Ok(Loaded {
         field,
         warnings,

@@ -194,7 +194,12 @@ impl<'a> Survey<'a> {
             for t in [(before + t) * 0.5, t] {
                 // Whether there is ground is told by the cell that the way has just passed.
                 let passed = at(t - (t - before) * 0.25);
-                profile.step(self.steps_at(at(t)), at(t), self.has_ground(passed).then(|| self.height(at(t))), per_height);
+                profile.step(
+                    self.steps_at(at(t)),
+                    at(t),
+                    self.has_ground(passed).then(|| self.height(at(t))),
+                    per_height,
+                );
             }
             before = t;
         }
@@ -226,11 +231,14 @@ impl Profile {
     /// The profile as comma-separated values with a line of names, over `map`.
     pub fn to_csv(&self, map: &HeightField) -> String {
         let (length, height) = (if self.metric { "_m" } else { "" }, if map.has_metres() { "_m" } else { "" });
-        let mut text = format!("distance{length},along_ground{length},height{height},column,row,x,y,longitude,latitude\n");
+        let mut text =
+            format!("distance{length},along_ground{length},height{height},column,row,x,y,longitude,latitude\n");
         for point in &self.points {
             let coordinates = map.georeference().map(|place| place.at(point.sample[0], point.sample[1]));
-            let converted =
-                map.georeference().zip(coordinates).and_then(|(place, coordinates)| place.longitude_latitude(coordinates));
+            let converted = map
+                .georeference()
+                .zip(coordinates)
+                .and_then(|(place, coordinates)| place.longitude_latitude(coordinates));
             let optional = |value: Option<f64>| value.map_or_else(String::new, |value| value.to_string());
             let fields = [
                 Some(point.distance),
@@ -295,9 +303,10 @@ mod tests {
             close(place.slope, 18.434_948_8);
             close(place.aspect.unwrap(), 270.0);
             assert_eq!(place.coordinates, Some([500_075.0, 3_999_850.0]));
-            // Zone 11's meridian is 117° W; PROJ: 36.142 79° N, and 75 m east of it.
             let [longitude, latitude] = place.longitude_latitude.unwrap();
-            assert!((longitude + 116.999_167).abs() < 1e-5 && (latitude - 36.1428).abs() < 1e-3, "{longitude} {latitude}");
+            // By PROJ.
+            let off = (longitude + 116.999_166_335_155_36).abs().max((latitude - 36.143_365_736_855_49).abs());
+            assert!(off < 1e-9, "{longitude} {latitude}");
         }
         // Towards the south-east and down: 10 m a sample each way.
         let raw: Vec<f64> = (0..121).map(|index| 300.0 - f64::from(index % 11 + index / 11) * 10.0).collect();

@@ -14,8 +14,9 @@ use crate::gpu::{Gpu, Target};
 use crate::heightfield::generate::{Kind, generate};
 use crate::heightfield::{Crater, EditedTerrain, HeightField};
 use crate::scene::{
-    CompareSettings, CraterMode, CraterSettings, DebugSettings, DebugView, DiffuseSettings, HeightFilter,
-    GroundColour, Hillshade, LandSettings, LightingSettings, MarchSettings, OccluderSettings, Ramp, Scene, SkyboxSettings, Technique, TerrainSettings,
+    CompareSettings, CraterMode, CraterSettings, DebugSettings, DebugView, DiffuseSettings, GroundColour, HeightFilter,
+    Hillshade, LandSettings, LightingSettings, MarchSettings, OccluderSettings, Ramp, Scene, SkyboxSettings, Technique,
+    TerrainSettings,
 };
 use crate::scene_file;
 

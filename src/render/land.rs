@@ -287,13 +287,7 @@ impl Land {
     }
 
     /// Brings the textures up to date with what `key` needs; returns the bytes uploaded.
-    fn prepare(
-        &mut self,
-        gpu: &Gpu,
-        key: LandKey,
-        land: &LandSettings,
-        map: &HeightField,
-    ) -> Result<u64, RenderError> {
+    fn prepare(&mut self, gpu: &Gpu, key: LandKey, land: &LandSettings, map: &HeightField) -> Result<u64, RenderError> {
         let mut uploaded = 0;
         let wanted = Colours::of(land).filter(|_| key.colours_ground());
         if self.colours.as_ref().map(|(colours, _)| *colours) != wanted {
@@ -321,12 +315,7 @@ impl Land {
 
 impl Renderer {
     /// Brings what the land's shader reads up to date with `scene`.
-    pub(super) fn prepare_land(
-        &mut self,
-        key: LandKey,
-        land: &LandSettings,
-        extent: DVec3,
-    ) -> Result<(), RenderError> {
+    pub(super) fn prepare_land(&mut self, key: LandKey, land: &LandSettings, extent: DVec3) -> Result<(), RenderError> {
         let Some(ground) = &self.ground else { return Ok(()) };
         self.uploaded += self.land.prepare(&self.gpu, key, land, ground.terrain().base())?;
         if key.is_on() {
@@ -359,9 +348,11 @@ fn transform(file: &Path, image: &Image, map: &HeightField) -> Result<[DVec3; 2]
         log::warn!("{}: {doubt}", file.display());
     }
     let Some(ground) = map.georeference() else {
-        return Err("it says where it lies, but the map does not; give the map's sidecar crs, origin and step, or drape the \
+        return Err(
+            "it says where it lies, but the map does not; give the map's sidecar crs, origin and step, or drape the \
                     picture as the diffuse texture, which covers the whole map"
-            .to_owned());
+                .to_owned(),
+        );
     };
     if let Some(systems) = place.differs_from(ground) {
         return Err(format!(
@@ -375,8 +366,7 @@ fn transform(file: &Path, image: &Image, map: &HeightField) -> Result<[DVec3; 2]
         [(x + 0.5) / f64::from(image.width), (y + 0.5) / f64::from(image.height)]
     };
     let (origin, east, south) = (uv(0.0, 0.0), uv(1.0, 0.0), uv(0.0, 1.0));
-    let [u, v] =
-        [0, 1].map(|axis| DVec3::new(east[axis] - origin[axis], south[axis] - origin[axis], origin[axis]));
+    let [u, v] = [0, 1].map(|axis| DVec3::new(east[axis] - origin[axis], south[axis] - origin[axis], origin[axis]));
     let [columns, rows] = map.cells().map(f64::from);
     let corners = [(0.0, 0.0), (columns, 0.0), (0.0, rows), (columns, rows)];
     let beside = |axis: DVec3| {

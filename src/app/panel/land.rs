@@ -28,7 +28,8 @@ pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
         contours(ui, land, facts, &scale);
         imagery(ui, land, &mut view.paths.imagery, facts);
         ui.separator();
-        let tooltip = "Tells height, slope and place of the ground under the cursor (P). A ray on the CPU when the cursor moves.";
+        let tooltip =
+            "Tells height, slope and place of the ground under the cursor (P). A ray on the CPU when the cursor moves.";
         toggle(ui, &mut view.reading.probe, "Probe", tooltip);
         let mut measure = view.reading.measure;
         let tooltip = "Two clicks on the ground measure the way between them and show its profile (M; Esc ends it). Free per \
@@ -45,7 +46,9 @@ fn colours(ui: &mut Ui, land: &mut LandSettings, facts: &Facts, scale: &LandScal
         name: value.name(),
         tooltip: match value {
             GroundColour::Texture => "The diffuse texture, or grey without one.",
-            GroundColour::Ramp => "By height. A gather of heights and a read per pixel; the diffuse texture is not there.",
+            GroundColour::Ramp => {
+                "By height. A gather of heights and a read per pixel; the diffuse texture is not there."
+            }
             GroundColour::Slope => "By steepness, in true degrees. Four gathers of heights per pixel.",
             GroundColour::Aspect => "By the direction in which it falls. Four gathers of heights per pixel.",
         },
@@ -115,7 +118,7 @@ fn shades(ui: &mut Ui, land: &mut LandSettings) {
 }
 
 fn contours(ui: &mut Ui, land: &mut LandSettings, facts: &Facts, scale: &LandScale) {
-    let tooltip = "Lines of equal height, every fifth heavier; they fade out where they would crowd. A gather of heights per \
+    let tooltip = "Lines of equal height, every fifth heavier; they fade out where they would crowd. Five gathers of heights per \
                    pixel.";
     toggle(ui, &mut land.contours, "Contours", tooltip);
     let off = !land.contours;

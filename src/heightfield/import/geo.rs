@@ -399,7 +399,8 @@ mod tests {
 
     #[test]
     fn places_go_back_to_columns_and_systems_are_told_apart() {
-        let turned = Georeference { row: [0.5, -3.0], column: [2.0, 0.25], ..Georeference::new([10.0, 20.0], [1.0, 1.0]) };
+        let turned =
+            Georeference { row: [0.5, -3.0], column: [2.0, 0.25], ..Georeference::new([10.0, 20.0], [1.0, 1.0]) };
         let [column, row] = turned.column_row(turned.at(7.5, -2.0));
         assert!((column - 7.5).abs() < 1e-12 && (row + 2.0).abs() < 1e-12, "{column} {row}");
         let of = |epsg| Georeference::new([0.0, 0.0], [1.0, -1.0]).with_epsg(epsg);

@@ -49,9 +49,11 @@ pub fn place(path: &Path, size: [u32; 2], doubts: &mut Vec<String>) -> Result<Ge
         }
         let endings = ["tfw", "tifw", "pgw", "pngw", "jgw", "jpgw", "wpw", "wld"];
         let Some(text) = endings.into_iter().find_map(|ending| source.companion(ending)) else {
-            return Ok(Err("it does not say where it lies: it has no GeoTIFF tags, and there is no world file (.tfw, .pgw, \
+            return Ok(Err(
+                "it does not say where it lies: it has no GeoTIFF tags, and there is no world file (.tfw, .pgw, \
                            .jgw, .wld) beside it; drape it as the diffuse texture, which covers the whole map"
-                .to_owned()));
+                    .to_owned(),
+            ));
         };
         let Some(place) = geo::from_world_file(&text) else {
             return Ok(Err("the world file beside it is no six numbers that place a picture".to_owned()));
