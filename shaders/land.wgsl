@@ -201,6 +201,12 @@ const LEAST_RISE: f32 = 2e-4;
 // By so much of an interval lines lie above their height: level ground, often at a round height, is not on one.
 const LIFT: f32 = 2e-3;
 
+// Height at the grid position `p`.
+fn share_at(p: vec2f) -> f32 {
+    let place = place_at(clamp(p, vec2f(0.0), terrain.cells));
+    return bilinear(corner_shares(place.cell), place.within);
+}
+
 // How much of a pixel a line covers that is `pixels` off.
 fn covered(pixels: f32, width: f32) -> f32 {
     return clamp(0.5 * width + 0.5 - pixels, 0.0, 1.0) * min(width, 1.0);
@@ -210,7 +216,8 @@ fn covered(pixels: f32, width: f32) -> f32 {
 // looks like there.
 //
 // A line's distance in pixels is its distance in height over the height that the ground gains from pixel to pixel. That
-// gain is the one over the plane that touches the ground: known at one pixel alone, so no silhouette disturbs it.
+// gain is the one over the plane that touches the ground: known at one pixel alone, so no silhouette disturbs it. Where
+// cells are smaller than pixels one cell says little, and what the ground really is a pixel farther on counts, too.
 fn with_contours(colour: vec3f, albedo: vec3f, place: Place, ray: Ray, depth: f32) -> vec3f {
     let corners = corner_shares(place.cell);
     let f = place.within;
@@ -223,9 +230,16 @@ fn with_contours(colour: vec3f, albedo: vec3f, place: Place, ray: Ray, depth: f3
     let against = select(facing, select(-grazing, grazing, facing > 0.0), abs(facing) < grazing);
     let right = frame.ray_direction_right - ray.direction * (dot(upright, frame.ray_direction_right) / against);
     let down = frame.ray_direction_down - ray.direction * (dot(upright, frame.ray_direction_down) / against);
-    let gain = depth * length(vec2f(dot(rise, right.xz), dot(rise, down.xz))) * land.contours_per_share;
+    let touching = depth * length(vec2f(dot(rise, right.xz), dot(rise, down.xz)));
+    let here = bilinear(corners, f);
+    let p = place.cell + f;
+    let to_right = right.xz * terrain.cells_per_unit * depth;
+    let to_down = down.xz * terrain.cells_per_unit * depth;
+    let beside = vec4f(share_at(p + to_right), share_at(p - to_right), share_at(p + to_down), share_at(p - to_down));
+    let most = abs(beside - here);
+    let gain = max(touching, max(max(most.x, most.y), max(most.z, most.w))) * land.contours_per_share;
 
-    let at = bilinear(corners, f) * land.contours_per_share + land.contour_offset - LIFT;
+    let at = here * land.contours_per_share + land.contour_offset - LIFT;
     let per_pixel = max(gain, LEAST_RISE);
     let fifth = at / 5.0;
     let thin = covered(abs(at - round(at)) / per_pixel, land.contour_width);

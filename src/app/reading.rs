@@ -349,7 +349,7 @@ mod tests {
         assert_eq!(lines[0], "height 150.00 m");
         assert_eq!(lines[1], "slope 18.4°, falls to W (270°)");
         assert_eq!(lines[2], "x 500150.00, y 3999850.00 (EPSG:32611)");
-        assert!(lines[3].starts_with("36.1427") && lines[3].contains("116.99833"), "{}", lines[3]);
+        assert_eq!(lines[3], "36.143366° N, 116.998333° W");
         assert_eq!(lines[4], "drawn with heights × 15");
         let plain = HeightField::from_raw(2, 2, &[0.0, 7.0, 0.0, 7.0]).unwrap();
         let lines = in_lines(&Survey::new(&plain, 0.25).place(0.5, 0.5), &plain, 1.0);

@@ -334,7 +334,7 @@ mod tests {
             let steps: Vec<f64> = (0..=16).map(|i| lightness(ramp.colour(i as f32 / 16.0))).collect();
             let mean = (steps[16] - steps[0]) / 16.0;
             assert!(mean > 3.0, "{}: {steps:?}", ramp.name());
-            let even = |pair: &[f64]| (0.4..1.7).contains(&((pair[1] - pair[0]) / mean));
+            let even = |pair: &[f64]| (0.4..1.8).contains(&((pair[1] - pair[0]) / mean));
             assert!(steps.windows(2).all(even), "{}: {steps:?}", ramp.name());
         }
         for side in [0.0f32, 0.5] {

@@ -118,7 +118,7 @@ fn shades(ui: &mut Ui, land: &mut LandSettings) {
 }
 
 fn contours(ui: &mut Ui, land: &mut LandSettings, facts: &Facts, scale: &LandScale) {
-    let tooltip = "Lines of equal height, every fifth heavier; they fade out where they would crowd. A gather of heights per \
+    let tooltip = "Lines of equal height, every fifth heavier; they fade out where they would crowd. Five gathers of heights per \
                    pixel.";
     toggle(ui, &mut land.contours, "Contours", tooltip);
     let off = !land.contours;
