@@ -107,13 +107,31 @@ fn wall_albedo(height: f32) -> vec3f {
     return mix(vec3f(0.17, 0.10, 0.07), vec3f(0.30, 0.20, 0.13), band);
 }
 
+// Share of the sun's light on a surface with this unit normal.
+fn facing_sun(normal: vec3f) -> f32 {
+    return max(dot(normal, terrain.sun), 0.0);
+}
+
+#ifdef SHADOWS
+// Share of the sun's disc that is seen from what is lit.
+var<private> sunlight: f32;
+#endif
+
 // Blinn–Phong: `to_eye` and `normal` are unit vectors.
 fn lit(albedo: vec3f, normal: vec3f, to_eye: vec3f) -> vec3f {
-    let towards_sun = max(dot(normal, terrain.sun), 0.0);
+#ifdef SHADOWS
+    let towards_sun = sunlight * facing_sun(normal);
+#else
+    let towards_sun = facing_sun(normal);
+#endif
     var color = albedo * (terrain.ambient + terrain.diffuse * towards_sun);
     if towards_sun > 0.0 {
         let half_way = normalize(terrain.sun + to_eye);
+#ifdef SHADOWS
+        color += vec3f(sunlight * terrain.specular * pow(max(dot(normal, half_way), 0.0), terrain.shininess));
+#else
         color += vec3f(terrain.specular * pow(max(dot(normal, half_way), 0.0), terrain.shininess));
+#endif
     }
     return color;
 }

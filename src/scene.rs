@@ -3,6 +3,8 @@
 //! A [`Scene`] can be written to and read from TOML, so a picture can be made again. It knows neither GPU nor
 //! window. Every field has a default; a scene file names only what differs.
 
+pub mod light;
+
 use std::path::PathBuf;
 
 use glam::DVec3;
@@ -10,6 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::camera::Camera;
 use crate::heightfield::{ConeKind, Crater, HeightField};
+use light::Shadows;
 
 /// Everything that a frame shows.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -223,6 +226,8 @@ pub struct LightingSettings {
     pub specular: f32,
     /// Exponent of the highlight.
     pub shininess: f32,
+    /// What hills and the occluder keep the sun from.
+    pub shadows: Shadows,
 }
 
 impl Default for LightingSettings {
@@ -235,6 +240,7 @@ impl Default for LightingSettings {
             diffuse: 1.0,
             specular: 0.08,
             shininess: 24.0,
+            shadows: Shadows::Off,
         }
     }
 }

@@ -11,6 +11,7 @@ use super::parse;
 use crate::camera::NamedView;
 use crate::heightfield::Holes;
 use crate::heightfield::import::{Encoding, Endian, ImportOptions, NoData, RawType, VerticalUnit};
+use crate::scene::light::Shadows;
 use crate::scene::{CraterMode, DebugView, HeightFilter, Technique};
 
 const EXAMPLES: &str = "\
@@ -346,6 +347,9 @@ pub(crate) struct SceneArgs {
     #[arg(long, value_name = "AZIMUTH,ELEVATION", value_parser = parse::sun, allow_hyphen_values = true,
         help_heading = "Looks")]
     pub(crate) sun: Option<[f32; 2]>,
+    /// What hills and the occluder keep the sun from: hard, or with the sun's true half degree [default: off]
+    #[arg(long, value_name = "KIND", value_enum, help_heading = "Looks")]
+    pub(crate) shadows: Option<Shadows>,
     /// A flat background instead of the sky
     #[arg(long, help_heading = "Looks")]
     pub(crate) no_skybox: bool,

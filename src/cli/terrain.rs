@@ -178,6 +178,7 @@ pub(crate) fn compose(args: &SceneArgs) -> Result<Scene, Failure> {
     if let Some([azimuth, elevation]) = args.sun {
         (scene.lighting.sun_azimuth, scene.lighting.sun_elevation) = (azimuth, elevation);
     }
+    set(&mut scene.lighting.shadows, args.shadows);
     scene.skybox.enabled &= !args.no_skybox;
     scene.occluder.enabled |= args.occluder || args.occluder_at.is_some();
     set_some(&mut scene.occluder.position, args.occluder_at);

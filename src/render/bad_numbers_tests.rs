@@ -13,6 +13,7 @@ use crate::camera::{Camera, NamedView};
 use crate::gpu::{Gpu, Target};
 use crate::heightfield::generate::{Kind, generate};
 use crate::heightfield::{Crater, EditedTerrain, HeightField};
+use crate::scene::light::Shadows;
 use crate::scene::{
     CompareSettings, CraterMode, CraterSettings, DebugSettings, DebugView, DiffuseSettings, HeightFilter,
     LightingSettings, MarchSettings, OccluderSettings, Scene, SkyboxSettings, Technique, TerrainSettings,
@@ -44,6 +45,7 @@ fn full_scene() -> Scene {
             diffuse: 1.0,
             specular: 0.1,
             shininess: 24.0,
+            shadows: Shadows::Soft,
         },
         skybox: SkyboxSettings { enabled: true, faces: None, flattening: 2.0 },
         occluder: OccluderSettings {

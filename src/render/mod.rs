@@ -17,6 +17,7 @@ mod frame;
 mod ground;
 mod heat_map;
 mod ledger;
+mod light;
 #[cfg(test)]
 mod loops_tests;
 mod mips;

@@ -8,7 +8,7 @@ use crate::gpu::{COLOR_FORMAT, DEPTH_COMPARE, DEPTH_FORMAT, Gpu, PROBE_FORMAT, S
 
 use super::beam::Tiles;
 use super::terrain::TerrainKey;
-use super::{beam, heat_map, occluder, present, skybox, terrain, wireframe};
+use super::{beam, heat_map, light, occluder, present, skybox, terrain, wireframe};
 
 /// Which pipeline: everything that decides what is compiled into it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -89,7 +89,7 @@ pub(super) struct Built {
 
 /// The embedded shaders, with the modules that are made from Rust values.
 pub(super) fn sources() -> ShaderSources {
-    ShaderSources::embedded(vec![("beam", beam::wgsl()), ("heat_map", heat_map::wgsl())])
+    ShaderSources::embedded(vec![("beam", beam::wgsl()), ("heat_map", heat_map::wgsl()), ("sun", light::wgsl())])
 }
 
 /// All pipelines alive.

@@ -17,6 +17,7 @@ use super::cube::{as_f32, clip_corners, in_view};
 use super::distances::ExactDistances;
 use super::frame::FrameUniform;
 use super::ground::Ground;
+use super::light::LightUniform;
 use super::pipelines::{Built, PipelineKey};
 use super::skybox::Skybox;
 use super::split::{Area, Side, sides};
@@ -86,9 +87,10 @@ impl Renderer {
         let exact = self.prepare_exact(scene, &view, size, probe).map(|key| over_holes(key.in_a_deep_zoom(view.deep)));
         let whole = Area::whole(size);
         let beamed = terrains.iter().map(|(side, key)| (side.area, *key)).chain(exact.map(|key| (whole, key)));
-        let beamed = beamed.filter(|(_, key)| key.needs_pyramid()).map(|(area, _)| area).reduce(Area::union);
+        let beamed = beamed.filter(|(_, key)| key.starts_from_beams()).map(|(area, _)| area).reduce(Area::union);
         if let Some(ground) = &mut self.ground {
-            ground.prepare(&self.gpu, &scene.craters, beamed.is_some());
+            let walked = terrains.iter().any(|(_, key)| key.needs_pyramid()) || beamed.is_some();
+            ground.prepare(&self.gpu, &scene.craters, walked);
             let kinds: Vec<_> = terrains.iter().filter_map(|(_, key)| key.needs_cones()).collect();
             ground.prepare_cones(&self.gpu, &scene.craters, &kinds, &|_| {});
             if !probe && let Some(rect) = ground.take_changed() {
@@ -229,7 +231,7 @@ impl Renderer {
             if terrain.iter().any(|key| !self.reads(ground, key)) {
                 return None;
             }
-            if terrain.iter().any(TerrainKey::needs_pyramid) {
+            if terrain.iter().any(TerrainKey::starts_from_beams) {
                 keys.extend(Tiles::ALL.map(PipelineKey::Beam));
             }
             keys.extend(terrain.into_iter().map(PipelineKey::Terrain));
@@ -354,6 +356,11 @@ impl Renderer {
             given: if let Aim::Given(distances) = aim { Some(distances) } else { None },
             exact: self.reference.as_ref().or(self.exact.as_ref()).map(ExactDistances::view),
         };
+        if key.light.needs_uniform() {
+            let map = ground.terrain().base();
+            let cube = key.light.occluder.then(|| occluder::world_from_cube(&scene.occluder, map, view.extent));
+            self.terrain.light.write(&self.gpu, &LightUniform::new(&scene.lighting, key.light, cube));
+        }
         let group = self.terrain.prepare(&self.gpu, &built, key, &uniform, &textures);
         Ok(group.map(|group| Draw { name: side.name, built, group, edges: false, area: side.area }))
     }

@@ -11,6 +11,7 @@ use super::cube::corner;
 use super::drape::Drape;
 use super::frame::{corner_sampler_entry, sampler_entry, texture_entry, uniform_buffer, uniform_entry};
 use super::ground::Ground;
+use super::light::{self, LightBindings};
 use super::pipelines::{Built, PassDescription};
 
 pub(super) use super::terrain_key::{Output, TerrainKey};
@@ -42,10 +43,17 @@ pub(super) fn describe(key: TerrainKey) -> PassDescription {
     if key.reads_heights() {
         bindings.extend([texture_entry(1, filtered, false), corner_sampler_entry(7)]);
     }
+    if key.needs_pyramid() {
+        modules.push("pyramid.wgsl");
+    }
+    if key.light.needs_uniform() {
+        modules.push("light.wgsl");
+        bindings.push(light::layout_entry());
+    }
+    if key.light.casts_shadows() {
+        modules.push("shadow.wgsl");
+    }
     if key.marches() {
-        if key.needs_pyramid() {
-            modules.push("pyramid.wgsl");
-        }
         modules.push("sampling.wgsl");
         if key.needs_cones().is_some() {
             modules.push("cones.wgsl");
@@ -67,7 +75,10 @@ pub(super) fn describe(key: TerrainKey) -> PassDescription {
         bindings.push(sampler_entry(2));
     }
     if key.needs_pyramid() {
-        bindings.extend([texture_entry(3, false, false), texture_entry(8, false, false)]);
+        bindings.push(texture_entry(3, false, false));
+    }
+    if key.starts_from_beams() {
+        bindings.push(texture_entry(8, false, false));
     }
     if key.needs_cones().is_some() {
         bindings.push(texture_entry(9, false, false));
@@ -145,6 +156,7 @@ pub(super) struct Textures<'a> {
 pub(super) struct TerrainBindings {
     buffer: wgpu::Buffer,
     anchors: wgpu::Buffer,
+    pub(super) light: LightBindings,
     corner_sampler: wgpu::Sampler,
     height_sampler: wgpu::Sampler,
     /// For a texture that covers the terrain once: its last texels must not mix with the first.
@@ -168,6 +180,7 @@ impl TerrainBindings {
         Self {
             buffer: uniform_buffer::<TerrainUniform>(gpu, "terrain"),
             anchors: uniform_buffer::<[AnchorUniform; MOST_ANCHORS]>(gpu, "anchors"),
+            light: LightBindings::new(gpu),
             corner_sampler: gpu
                 .device
                 .create_sampler(&wgpu::SamplerDescriptor { label: Some("corners of cells"), ..Default::default() }),
@@ -211,7 +224,13 @@ impl TerrainBindings {
             entries.push((2, wgpu::BindingResource::Sampler(&self.height_sampler)));
         }
         if key.needs_pyramid() {
-            entries.extend([(3, view(ground.pyramid()?)), (8, view(beams?.starts(Tiles::Fine)))]);
+            entries.push((3, view(ground.pyramid()?)));
+        }
+        if key.starts_from_beams() {
+            entries.push((8, view(beams?.starts(Tiles::Fine))));
+        }
+        if key.light.needs_uniform() {
+            entries.push(self.light.entry());
         }
         if let Some(kind) = key.needs_cones() {
             entries.push((9, view(ground.cones(kind)?)));
