@@ -13,6 +13,8 @@ struct Light {
     sky: array<vec4f, 9>,
     // Colour of the sun's light.
     sun: vec4f,
+    // Cells along x and z for a texel of the light map.
+    cells_per_texel: vec4f,
 }
 
 @group(1) @binding(20) var<uniform> light: Light;

@@ -98,9 +98,22 @@ fn horizon(place: Place, toward: vec2f, least: f32, most: f32) -> f32 {
     let way_of_a_cell = 1.0 / max(abs(direction.x), abs(direction.y));
     let highest = terrain.highest - place.height;
     var slope = least;
-    var walk = start(course, place.cell, 0.0, 1.0);
     var carried = 0.0;
+#ifdef FROM_OUTSIDE
+    // A place beside the map, or above or below its ground.
+    let north_west = reached_from(place, course, vec2f(0.0));
+    let south_east = reached_from(place, course, course.sign * terrain.cells);
+    let enter = max(max(min(north_west.x, south_east.x), min(north_west.y, south_east.y)), 0.0);
+    if enter > min(max(north_west.x, south_east.x), max(north_west.y, south_east.y)) {
+        return slope;
+    }
+    let at = place.cell + floor(place.within + direction * enter);
+    var walk = start(course, clamp(at, vec2f(0.0), terrain.cells - 1.0), enter, 1.0);
+    var is_carried = false;
+#else
+    var walk = start(course, place.cell, 0.0, 1.0);
     var is_carried = place.height == bilinear(cell_corners(place.cell), place.within);
+#endif
     let most_steps = min(terrain.step_cap, MOST_STEPS);
     while walk.steps < most_steps {
         walk.steps += 1u;
@@ -156,14 +169,16 @@ fn sine(slope: f32) -> f32 {
 fn widened(slopes: vec2f, a: vec3f, b: vec3f) -> vec2f {
     // `x` is the way along the ground, `y` the height and `z` the distance from the upright plane, of both ends of an edge.
     let share = a.z / (a.z - b.z);
-    let way = max(mix(a.x, b.x, share), 1.0 / STEEPEST);
-    let slope = clamp(mix(a.y, b.y, share) / way, -STEEPEST, STEEPEST);
-    let crosses = (a.z < 0.0) != (b.z < 0.0);
+    let way = mix(a.x, b.x, share);
+    let slope = clamp(mix(a.y, b.y, share) / max(way, 1.0 / STEEPEST), -STEEPEST, STEEPEST);
+    // What lies behind hides nothing ahead.
+    let crosses = (a.z < 0.0) != (b.z < 0.0) && way > 0.0;
     return select(slopes, vec2f(min(slopes.x, slope), max(slopes.y, slope)), crosses);
 }
 
 // Slopes between which the occluder is seen from `spot`, world space, along the unit vector `toward`: a plane cuts it in
-// a convex polygon, whose corners lie on its edges.
+// a convex polygon, whose corners lie on its edges. Where the polygon reaches over or under `spot`, it reaches to
+// upright.
 fn occluder_between(spot: vec3f, toward: vec2f) -> vec2f {
     let along = vec3f(toward.x, 0.0, toward.y);
     let across = vec3f(-toward.y, 0.0, toward.x);
@@ -200,6 +215,20 @@ fn occluder_between(spot: vec3f, toward: vec2f) -> vec2f {
     slopes = widened(slopes, p1, p5);
     slopes = widened(slopes, p2, p6);
     slopes = widened(slopes, p3, p7);
+    // The upright line through `spot` against the three slabs of the cube, whose edges are orthogonal and of one length.
+    let edges = mat3x3f(c1 - c0, c2 - c0, c4 - c0);
+    let rise = vec3f(edges[0].y, edges[1].y, edges[2].y);
+    let divisor = select(rise, vec3f(1.0 / STEEPEST), abs(rise) < vec3f(1.0 / STEEPEST));
+    let first = (c0 * edges) / divisor;
+    let second = (c0 * edges + dot(edges[0], edges[0])) / divisor;
+    let low = min(first, second);
+    let high = max(first, second);
+    let enter = max(max(low.x, low.y), low.z);
+    let leave = min(min(high.x, high.y), high.z);
+    if enter <= leave {
+        slopes.x = select(slopes.x, -STEEPEST, enter < 0.0);
+        slopes.y = select(slopes.y, STEEPEST, leave > 0.0);
+    }
     return slopes;
 }
 #endif

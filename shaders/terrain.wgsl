@@ -366,6 +366,18 @@ fn fs_main(in: varyings::Varyings) -> Fragment {
 #ifdef HOLES
     normal = select(normal, normal_across(cut, ray.direction), cut != 3u);
 #endif
+#ifdef LIGHT_MAP
+    shading::read_light_map(point.xz);
+    if wall {
+        // The map is that of the ground. Beside the box there is nothing.
+#ifdef BAKED_SHADOWS
+        shading::sunlight = 1.0;
+#endif
+#ifdef OCCLUSION
+        shading::sky_share = 1.0;
+#endif
+    }
+#endif
 #ifdef SHADOWS
     // What is turned away from the sun needs no walk to it.
     shading::sunlight = 0.0;

@@ -33,7 +33,7 @@ const TURN_PER_PIXEL: f64 = 0.0018;
 const LONGEST_STEP: Duration = Duration::from_millis(250);
 
 /// What the help page lists: keys, and what they do.
-pub(crate) const BINDINGS: [(&str, &str); 22] = [
+pub(crate) const BINDINGS: [(&str, &str); 23] = [
     ("W A S D", "fly forward, left, back, right"),
     ("E / Q", "fly up / down"),
     ("Shift / Alt", "four times as fast / a quarter as fast"),
@@ -43,6 +43,7 @@ pub(crate) const BINDINGS: [(&str, &str); 22] = [
     ("F", "capture the mouse to look around; Esc releases it"),
     ("Home", "frame the terrain (start view)"),
     ("C", "make a crater under the cursor, or under the crosshair while the mouse is captured"),
+    ("L", "shadows: off, hard, soft"),
     ("Ctrl+Z", "take the last crater back"),
     ("Ctrl+Shift+Backspace", "take all craters back"),
     ("F1", "this help"),
@@ -95,6 +96,7 @@ pub(crate) enum Shortcut {
     Crater,
     UndoCrater,
     ClearCraters,
+    Shadows,
     Help,
     Panel,
     Overlay,
@@ -130,6 +132,7 @@ impl Shortcut {
             KeyCode::Escape => Self::Escape,
             KeyCode::Home => Self::FrameTerrain,
             KeyCode::KeyC => Self::Crater,
+            KeyCode::KeyL => Self::Shadows,
             KeyCode::F1 => Self::Help,
             KeyCode::F2 => Self::Panel,
             KeyCode::F3 => Self::Overlay,

@@ -215,6 +215,12 @@ impl Viewer {
             Shortcut::Crater => self.crater(graphics, now),
             Shortcut::UndoCrater => self.execute(graphics, Command::UndoCrater),
             Shortcut::ClearCraters => self.execute(graphics, Command::ClearCraters),
+            Shortcut::Shadows => {
+                let lighting = &mut self.scene.lighting;
+                lighting.shadows = lighting.shadows.next();
+                let name = lighting.shadows.name();
+                self.show_hint(format!("Shadows: {name}"), now);
+            }
             Shortcut::Help => self.view.help = !self.view.help,
             Shortcut::Panel => self.view.panel = !self.view.panel,
             Shortcut::Overlay => self.view.overlay = !self.view.overlay,

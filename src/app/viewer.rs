@@ -90,6 +90,8 @@ pub(crate) struct Viewer {
     pub(super) prepared: bool,
     /// The last picture had the occluder in it.
     pub(super) occluder_seen: bool,
+    /// The last time that the clock went on, while it runs.
+    pub(super) ran: Option<Instant>,
     /// The last turn of the occluder, while it spins.
     pub(super) spun: Option<Instant>,
     /// The window is covered, as the window system says.
@@ -167,6 +169,7 @@ impl Viewer {
             last_good: None,
             prepared: false,
             occluder_seen: false,
+            ran: None,
             spun: None,
             covered: false,
             hidden: false,
@@ -250,7 +253,7 @@ impl Viewer {
 
     /// Whether every frame shows another picture than the last.
     pub(super) fn moves(&self) -> bool {
-        self.fly.is_moving() || self.spins()
+        self.fly.is_moving() || self.spins() || self.scene.lighting.clock.runs()
     }
 
     /// Whether steps per ray are wanted, and there is a picture to measure them for. What is being compiled may be for them.
@@ -334,6 +337,8 @@ impl Viewer {
         self.scene.terrain.height_scale = None;
         self.scene.craters.list.clear();
         self.scene.occluder.position = None;
+        (self.scene.lighting.clock.latitude, self.scene.lighting.clock.longitude) = (None, None);
+        self.scene.lighting.clock.stand_on(opened.bounds);
         self.scene.camera = Some(NamedView::Start.camera(&self.map, self.extent()));
         (self.drawn, self.shown, self.last_good) = (None, None, None);
         // Its picture may need other pipelines, as that of a first map with holes does: said before they are waited for.
@@ -435,6 +440,10 @@ pub(super) fn visible_part(scene: &Scene) -> Scene {
     let mut scene = scene.clone();
     (scene.craters.radius, scene.craters.depth, scene.craters.rim) = (radius, depth, rim);
     scene.occluder.spin = 0.0;
+    // A clock that runs makes a coarser sky than one that stands.
+    if !scene.lighting.clock.enabled {
+        scene.lighting.clock.speed = 0.0;
+    }
     scene
 }
 
@@ -444,6 +453,7 @@ pub(super) fn scene_of_picture(visible: &Scene, scene: &Scene) -> Scene {
     let CraterSettings { radius, depth, rim, .. } = scene.craters;
     (shown.craters.radius, shown.craters.depth, shown.craters.rim) = (radius, depth, rim);
     shown.occluder.spin = scene.occluder.spin;
+    shown.lighting.clock.speed = scene.lighting.clock.speed;
     shown
 }
 

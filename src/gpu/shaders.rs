@@ -24,6 +24,7 @@ const EMBEDDED: &[(&str, &str)] = embed![
     "frame.wgsl",
     "heightfield.wgsl",
     "light.wgsl",
+    "light_map.wgsl",
     "march/cone.wgsl",
     "march/linear-binary.wgsl",
     "march/linear.wgsl",

@@ -137,7 +137,9 @@ mod tests {
                 assert!(!meets(slope + 1e-4), "{index}: {slope}");
                 if slope > -0.2 {
                     high += 1;
-                    assert!(meets(slope - 1e-4), "{index}: {slope}");
+                    // From the ground itself a ray along it may leave it again before it meets it.
+                    let less = if lift == 0.0 { 1e-2 } else { 1e-4 };
+                    assert!(meets(slope - less), "{index}: {slope}");
                 }
             }
         }

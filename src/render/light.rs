@@ -5,10 +5,11 @@ use glam::{DMat4, DVec3};
 
 use crate::gpu::Gpu;
 use crate::scene::light::Shadows;
-use crate::scene::{LightingSettings, Scene};
+use crate::scene::{DebugView, LightingSettings, Scene};
 
 use super::cube::corner;
 use super::frame::{uniform_buffer, uniform_entry, without_subnormals};
+use super::sky_model::Daylight;
 
 /// Binding of the uniform.
 pub(super) const LIGHT: u32 = 20;
@@ -16,10 +17,13 @@ pub(super) const LIGHT: u32 = 20;
 /// Columns of the sun's disc that soft shadows look for.
 const COLUMNS: usize = 5;
 
+/// Directions in which ambient occlusion looks for the horizon.
+const OCCLUSION_DIRECTIONS: u32 = 12;
+
 /// Angular radius of the sun's disc, degrees: half of the mean 0.53°.
 const SUN_RADIUS: f64 = 0.2665;
 
-/// The highest sun that shadows are cast by, degrees. Around the zenith the disc has no upright columns; what would still
+/// The highest sun that soft shadows are cast by, degrees. Around the zenith the disc has no upright columns; what would still
 /// cast a shadow there is steeper than 99 to 1.
 const HIGHEST_SUN: f64 = 89.42;
 
@@ -29,7 +33,10 @@ const STEEPEST: f64 = 1e15;
 /// Constants of `shadow.wgsl`, so that no number is typed in two languages.
 pub(super) fn wgsl() -> String {
     // For so many cells along its steeper axis a walk carries heights from patch to patch.
-    format!("#define_import_path relief::sun\nconst COLUMNS: u32 = {COLUMNS}u;\nconst CARRIED_CELLS: f32 = 6.0;\n")
+    format!(
+        "#define_import_path relief::sun\nconst COLUMNS: u32 = {COLUMNS}u;\nconst CARRIED_CELLS: f32 = 6.0;\n\
+         const OCCLUSION_DIRECTIONS: u32 = {OCCLUSION_DIRECTIONS}u;\n"
+    )
 }
 
 /// What the light adds to the terrain's pipeline. All off by default.
@@ -38,31 +45,64 @@ pub(super) struct LightKey {
     pub(super) shadows: Shadows,
     /// The occluder casts one, too.
     pub(super) occluder: bool,
+    /// The light is that of a physical sky.
+    pub(super) sky: bool,
+    /// Shadows are read from the light map.
+    pub(super) baked: bool,
+    /// The light map holds ambient occlusion.
+    pub(super) occlusion: bool,
 }
 
 impl LightKey {
-    /// What a picture of `scene` needs whose ground is lit.
+    /// What a picture of `scene` needs.
     pub(super) fn of(scene: &Scene) -> Self {
+        if !scene.lighting.enabled || scene.debug.view != DebugView::None {
+            return Self::default();
+        }
         let shadows = if is_up(&scene.lighting) { scene.lighting.shadows } else { Shadows::Off };
-        Self { shadows, occluder: shadows != Shadows::Off && scene.occluder.enabled }
+        let occluder = shadows != Shadows::Off && scene.occluder.enabled;
+        let baked = shadows != Shadows::Off && scene.lighting.baked;
+        Self { shadows, occluder, sky: scene.skybox.physical().is_some(), baked, occlusion: scene.lighting.occlusion }
     }
 
     /// Whether the pass walks towards the sun.
     pub(super) fn casts_shadows(self) -> bool {
-        self.shadows != Shadows::Off
+        self.shadows != Shadows::Off && !self.baked
+    }
+
+    /// Whether the pass reads the light map.
+    pub(super) fn needs_map(self) -> bool {
+        self.baked || self.occlusion
+    }
+
+    /// Defs of the pass that draws the light map.
+    pub(super) fn map_defs(self) -> impl Iterator<Item = &'static str> {
+        [
+            (self.baked, "BAKED_SHADOWS"),
+            (self.baked && self.shadows == Shadows::Soft, "SOFT_SHADOWS"),
+            (self.baked && self.occluder, "OCCLUDER_SHADOW"),
+            (self.occlusion, "OCCLUSION"),
+        ]
+        .into_iter()
+        .filter_map(|(on, def)| on.then_some(def))
     }
 
     /// Whether the pass reads the uniform of the light.
     pub(super) fn needs_uniform(self) -> bool {
-        self.casts_shadows()
+        self.casts_shadows() || self.sky
     }
 
     pub(super) fn defs(self) -> impl Iterator<Item = &'static str> {
         [
             (self.needs_uniform(), "LIGHT"),
             (self.casts_shadows(), "SHADOWS"),
-            (self.shadows == Shadows::Soft, "SOFT_SHADOWS"),
-            (self.occluder, "OCCLUDER_SHADOW"),
+            (self.shadows != Shadows::Off, "SUNLIGHT"),
+            (self.casts_shadows() && self.shadows == Shadows::Soft, "SOFT_SHADOWS"),
+            (self.casts_shadows() && self.occluder, "OCCLUDER_SHADOW"),
+            (self.needs_map(), "LIGHT_MAP"),
+            (self.baked, "BAKED_SHADOWS"),
+            (self.occlusion, "OCCLUSION"),
+            (self.sky, "SKY_LIGHT"),
         ]
         .into_iter()
         .filter_map(|(on, def)| on.then_some(def))
@@ -71,12 +111,16 @@ impl LightKey {
     /// One of each kind.
     #[cfg(test)]
     pub(super) fn all() -> Vec<Self> {
-        let with = |shadows, occluder| Self { shadows, occluder };
+        let with = |shadows, occluder, sky| Self { shadows, occluder, sky, ..Self::default() };
         vec![
-            with(Shadows::Hard, false),
-            with(Shadows::Soft, false),
-            with(Shadows::Hard, true),
-            with(Shadows::Soft, true),
+            with(Shadows::Off, false, true),
+            with(Shadows::Hard, false, false),
+            with(Shadows::Soft, false, true),
+            with(Shadows::Hard, true, true),
+            with(Shadows::Soft, true, false),
+            Self { baked: true, occlusion: true, ..with(Shadows::Soft, true, true) },
+            Self { baked: true, ..with(Shadows::Hard, false, false) },
+            Self { occlusion: true, ..with(Shadows::Hard, false, false) },
         ]
     }
 }
@@ -110,6 +154,7 @@ pub(super) struct LightUniform {
     pub(super) cube: [[f32; 4]; 8],
     pub(super) sky: [[f32; 4]; 9],
     pub(super) sun: [f32; 4],
+    pub(super) cells_per_texel: [f32; 4],
 }
 
 /// A column of the sun's disc.
@@ -147,15 +192,16 @@ fn columns(azimuth: f64, elevation: f64, radius: f64) -> [Column; COLUMNS] {
 }
 
 impl LightUniform {
-    /// `occluder` is its matrix, if it casts a shadow.
-    pub(super) fn new(lighting: &LightingSettings, key: LightKey, occluder: Option<DMat4>) -> Self {
+    /// `world_from_cube` is the occluder's.
+    pub(super) fn new(scene: &Scene, key: LightKey, world_from_cube: DMat4, cells_per_texel: [f64; 2]) -> Self {
         let mut uniform = Self::zeroed();
+        let lighting = &scene.lighting;
         let sun = lighting.sun_direction();
         // A sun overhead has no direction along the ground; any will do.
         let azimuth = sun.x.atan2(-sun.z);
-        let elevation = elevation(lighting).min(HIGHEST_SUN).to_radians();
+        let elevation = elevation(lighting).to_radians();
         let columns = match key.shadows {
-            Shadows::Soft => columns(azimuth, elevation, SUN_RADIUS.to_radians()),
+            Shadows::Soft => columns(azimuth, elevation.min(HIGHEST_SUN.to_radians()), SUN_RADIUS.to_radians()),
             Shadows::Hard | Shadows::Off => [Column { azimuth, ends: [elevation; 2], share: 1.0 }; COLUMNS],
         };
         for (index, column) in columns.into_iter().enumerate() {
@@ -165,15 +211,21 @@ impl LightUniform {
             uniform.columns[index] = [sin as f32, -cos as f32, tangent(low.max(0.0)), tangent(high)];
             uniform.shares[index] = [column.share as f32, low.sin() as f32, high.sin() as f32, 0.0];
         }
-        if let Some(world_from_cube) = occluder {
-            let place = |index| world_from_cube.transform_point3(corner(index));
-            uniform.cube = std::array::from_fn(|index| {
-                let DVec3 { x, y, z } = place(index);
-                [x as f32, y as f32, z as f32, 1.0]
-            });
+        if scene.occluder.enabled {
+            uniform.cube = std::array::from_fn(|index| of(world_from_cube.transform_point3(corner(index))));
         }
+        if let Some(turbidity) = scene.skybox.physical().filter(|_| key.sky) {
+            let light = Daylight::new(sun, turbidity).light();
+            (uniform.sky, uniform.sun) = (light.harmonics.map(of), of(light.sun));
+        }
+        let [x, z] = cells_per_texel.map(|cells| cells as f32);
+        uniform.cells_per_texel = [x, z, 0.0, 0.0];
         without_subnormals(uniform)
     }
+}
+
+fn of(DVec3 { x, y, z }: DVec3) -> [f32; 4] {
+    [x as f32, y as f32, z as f32, 1.0]
 }
 
 /// The uniform's buffer.

@@ -12,6 +12,7 @@ use super::drape::Drape;
 use super::frame::{corner_sampler_entry, sampler_entry, texture_entry, uniform_buffer, uniform_entry};
 use super::ground::Ground;
 use super::light::{self, LightBindings};
+use super::light_map::{self, LightMap};
 use super::pipelines::{Built, PassDescription};
 
 pub(super) use super::terrain_key::{Output, TerrainKey};
@@ -35,7 +36,8 @@ const ANCHOR: u32 = 14;
 pub(super) fn describe(key: TerrainKey) -> PassDescription {
     let filtered = key.filters_heights();
     let mut bindings = vec![uniform_entry::<TerrainUniform>(0)];
-    let mut modules = vec!["frame.wgsl", "heightfield.wgsl", "varyings.wgsl"];
+    // Nothing of a module comes in that is not imported.
+    let mut modules = vec!["frame.wgsl", "heightfield.wgsl", "varyings.wgsl", "light.wgsl"];
     if key.deep {
         modules.push("anchor.wgsl");
     }
@@ -47,8 +49,10 @@ pub(super) fn describe(key: TerrainKey) -> PassDescription {
         modules.push("pyramid.wgsl");
     }
     if key.light.needs_uniform() {
-        modules.push("light.wgsl");
         bindings.push(light::layout_entry());
+    }
+    if key.light.needs_map() {
+        bindings.extend(light_map::layout_entries());
     }
     if key.light.casts_shadows() {
         modules.push("shadow.wgsl");
@@ -145,6 +149,7 @@ pub(super) struct Textures<'a> {
     pub(super) ground: &'a Ground,
     pub(super) drape: Option<&'a Drape>,
     pub(super) beams: Option<&'a Beams>,
+    pub(super) light_map: Option<&'a LightMap>,
     /// Distances to read instead of casting rays.
     pub(super) given: Option<&'a wgpu::TextureView>,
     /// Distances to compare with.
@@ -195,6 +200,25 @@ impl TerrainBindings {
         gpu.queue.write_buffer(&self.anchors, 0, bytemuck::bytes_of(anchors));
     }
 
+    /// Writes the uniform alone, for another pass that reads it.
+    pub(super) fn write(&self, gpu: &Gpu, uniform: &TerrainUniform) {
+        gpu.queue.write_buffer(&self.buffer, 0, bytemuck::bytes_of(uniform));
+    }
+
+    /// What a walk over the ground towards the sun reads; `None` without a pyramid.
+    pub(super) fn shadow_entries<'a>(&'a self, ground: &'a Ground) -> Option<Vec<(u32, wgpu::BindingResource<'a>)>> {
+        let view = wgpu::BindingResource::TextureView;
+        let mut entries = vec![
+            (0, self.buffer.as_entire_binding()),
+            (1, view(ground.heights())),
+            (3, view(ground.pyramid()?)),
+            (7, wgpu::BindingResource::Sampler(&self.corner_sampler)),
+            self.light.entry(),
+        ];
+        entries.extend(ground.layer().map(|(layer, ..)| (4, view(layer))));
+        Some(entries)
+    }
+
     /// Writes the uniform and makes the bind group of `built`; `None` where a texture it needs is missing.
     pub(super) fn prepare(
         &self,
@@ -204,8 +228,8 @@ impl TerrainBindings {
         uniform: &TerrainUniform,
         textures: &Textures<'_>,
     ) -> Option<wgpu::BindGroup> {
-        let &Textures { ground, drape, beams, given, exact } = textures;
-        gpu.queue.write_buffer(&self.buffer, 0, bytemuck::bytes_of(uniform));
+        let &Textures { ground, drape, beams, light_map, given, exact } = textures;
+        self.write(gpu, uniform);
         let view = wgpu::BindingResource::TextureView;
         let mut entries = vec![(0, self.buffer.as_entire_binding())];
         if key.given {
@@ -228,6 +252,9 @@ impl TerrainBindings {
         }
         if key.starts_from_beams() {
             entries.push((8, view(beams?.starts(Tiles::Fine))));
+        }
+        if key.light.needs_map() {
+            entries.extend(light_map?.entries());
         }
         if key.light.needs_uniform() {
             entries.push(self.light.entry());
@@ -266,7 +293,7 @@ impl TerrainBindings {
     }
 }
 
-fn bind(gpu: &Gpu, built: &Built, entries: Vec<(u32, wgpu::BindingResource<'_>)>) -> wgpu::BindGroup {
+pub(super) fn bind(gpu: &Gpu, built: &Built, entries: Vec<(u32, wgpu::BindingResource<'_>)>) -> wgpu::BindGroup {
     let entries: Vec<_> =
         entries.into_iter().map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource }).collect();
     gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {

@@ -61,7 +61,7 @@ impl TerrainKey {
             given: false,
             holes: false,
             deep: false,
-            light: if shaded && scene.lighting.enabled { LightKey::of(scene) } else { LightKey::default() },
+            light: if shaded { LightKey::of(scene) } else { LightKey::default() },
             output,
         };
         if key.finds_ground() { key } else { Self::without_rays() }

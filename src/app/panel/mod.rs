@@ -11,6 +11,7 @@ mod lighting;
 mod march;
 mod occluder;
 mod skybox;
+mod sun;
 mod terrain;
 mod tradeoff;
 mod widgets;
@@ -42,7 +43,7 @@ pub(crate) struct Panel<'a> {
 type Section = (&'static str, fn(&mut egui::Ui, &mut Panel<'_>));
 
 /// All sections from top to bottom.
-const SECTIONS: [Section; 13] = [
+const SECTIONS: [Section; 14] = [
     ("Terrain", terrain::show),
     ("Camera", camera::show),
     ("March", march::show),
@@ -50,6 +51,7 @@ const SECTIONS: [Section; 13] = [
     ("Diffuse", diffuse::show),
     ("Lighting", lighting::show),
     ("Skybox", skybox::show),
+    ("Sun", sun::show),
     ("Occluder", occluder::show),
     ("Craters", craters::show),
     ("Debug", debug::show),
