@@ -2,6 +2,11 @@
 // transformed on the CPU.
 
 #import relief::frame::{frame, pixel_ray, cube_corner}
+#ifdef SHADOWS
+#import relief::heightfield::terrain
+#import relief::light::light
+#import relief::shadow
+#endif
 
 struct Cube {
     // Corners in clip space.
@@ -11,7 +16,11 @@ struct Cube {
     ambient: f32,
 }
 
+#ifdef SHADOWS
+@group(1) @binding(21) var<uniform> cube: Cube;
+#else
 @group(1) @binding(0) var<uniform> cube: Cube;
+#endif
 
 struct Varyings {
     @builtin(position) position: vec4f,
@@ -50,7 +59,18 @@ fn fs_main(in: Varyings) -> @location(0) vec4f {
     let color = select(vec3f(0.05, 0.25, 0.9), vec3f(1.0, 0.18, 0.05), warm) * abs(normal.x)
         + select(vec3f(0.6, 0.05, 0.75), vec3f(1.0, 0.75, 0.05), warm) * abs(normal.y)
         + select(vec3f(0.05, 0.75, 0.75), vec3f(0.2, 0.85, 0.15), warm) * abs(normal.z);
-    return vec4f(color * (cube.ambient + max(dot(normal, cube.sun), 0.0)), 1.0);
+    var towards_sun = max(dot(normal, cube.sun), 0.0);
+#ifdef SHADOWS
+    if towards_sun > 0.0 {
+        let first = light.cube[0].xyz;
+        let place = first + in.corner.x * (light.cube[1].xyz - first) + in.corner.y * (light.cube[2].xyz - first)
+            + in.corner.z * (light.cube[4].xyz - first);
+        let on_grid = place.xz * terrain.cells_per_unit;
+        let cell = floor(on_grid);
+        towards_sun *= shadow::sunlight(shadow::Place(cell, on_grid - cell, place.y), true);
+    }
+#endif
+    return vec4f(color * (cube.ambient + towards_sun), 1.0);
 #endif
 }
 #endif

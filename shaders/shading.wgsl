@@ -7,6 +7,10 @@
 #import relief::heightfield::{bilinear, has_ground}
 #endif
 
+#ifdef SKY_LIGHT
+#import relief::light
+#endif
+
 #ifdef DIFFUSE_TEXTURE
 @group(1) @binding(5) var diffuse_texture: texture_2d<f32>;
 @group(1) @binding(6) var diffuse_sampler: sampler;
@@ -118,13 +122,65 @@ fn wall_albedo(height: f32) -> vec3f {
     return mix(vec3f(0.17, 0.10, 0.07), vec3f(0.30, 0.20, 0.13), band);
 }
 
+// Share of the sun's light on a surface with this unit normal.
+fn facing_sun(normal: vec3f) -> f32 {
+    return max(dot(normal, terrain.sun), 0.0);
+}
+
+#ifdef SUNLIGHT
+// Share of the sun's disc that is seen from what is lit.
+var<private> sunlight: f32;
+#endif
+
+#ifdef OCCLUSION
+// Share of the sky's light that gets to what is lit.
+var<private> sky_share: f32;
+#endif
+
+#ifdef LIGHT_MAP
+// The shares of the sun and of the sky by the place on the map.
+@group(1) @binding(22) var light_map: texture_2d<f32>;
+@group(1) @binding(23) var light_map_sampler: sampler;
+
+// Reads both for the place `p`, grid space.
+fn read_light_map(p: vec2f) {
+    let shares = textureSampleLevel(light_map, light_map_sampler, p / terrain.cells, 0.0).rg;
+#ifdef BAKED_SHADOWS
+    sunlight = shares.x;
+#endif
+#ifdef OCCLUSION
+    sky_share = shares.y;
+#endif
+}
+#endif
+
 // Blinn–Phong: `to_eye` and `normal` are unit vectors.
 fn lit(albedo: vec3f, normal: vec3f, to_eye: vec3f) -> vec3f {
-    let towards_sun = max(dot(normal, terrain.sun), 0.0);
-    var color = albedo * (terrain.ambient + terrain.diffuse * towards_sun);
+#ifdef SUNLIGHT
+    let towards_sun = sunlight * facing_sun(normal);
+#else
+    let towards_sun = facing_sun(normal);
+#endif
+#ifdef OCCLUSION
+    let ambient = terrain.ambient * sky_share;
+#else
+    let ambient = terrain.ambient;
+#endif
+#ifdef SKY_LIGHT
+    var color = albedo * (ambient * light::sky_light(normal) + terrain.diffuse * towards_sun * light::light.sun.rgb);
+#else
+    var color = albedo * (ambient + terrain.diffuse * towards_sun);
+#endif
     if towards_sun > 0.0 {
         let half_way = normalize(terrain.sun + to_eye);
-        color += vec3f(terrain.specular * pow(max(dot(normal, half_way), 0.0), terrain.shininess));
+        var highlight = vec3f(terrain.specular * pow(max(dot(normal, half_way), 0.0), terrain.shininess));
+#ifdef SUNLIGHT
+        highlight *= sunlight;
+#endif
+#ifdef SKY_LIGHT
+        highlight *= light::light.sun.rgb;
+#endif
+        color += highlight;
     }
     return color;
 }

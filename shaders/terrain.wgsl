@@ -32,6 +32,9 @@
 #ifdef LAND
 #import relief::land
 #endif
+#ifdef SHADOWS
+#import relief::shadow
+#endif
 #ifdef VIEW_STEPS
 #import relief::heat_map::heat_map
 #endif
@@ -383,6 +386,45 @@ fn fs_main(in: varyings::Varyings) -> Fragment {
 #endif
 #ifdef HOLES
     normal = select(normal, normal_across(cut, ray.direction), cut != 3u);
+#endif
+#ifdef LIGHT_MAP
+    shading::read_light_map(point.xz);
+    if wall {
+        // The map is that of the ground. Beside the box there is nothing.
+#ifdef BAKED_SHADOWS
+        shading::sunlight = 1.0;
+#endif
+#ifdef OCCLUSION
+        shading::sky_share = 1.0;
+#endif
+    }
+#endif
+#ifdef SHADOWS
+    // What is turned away from the sun needs no walk to it.
+    shading::sunlight = 0.0;
+    if shading::facing_sun(normal) > 0.0 {
+#ifdef DEEP_ZOOM
+        var lit_place = shadow::Place(place.cell, place.within, point.y);
+#else
+        let lit_cell = clamp(floor(point.xz), vec2f(0.0), terrain.cells - 1.0);
+        var lit_place = shadow::Place(lit_cell, point.xz - lit_cell, point.y);
+#endif
+#ifdef HOLES
+        let cut_wall = cut != 3u;
+        if cut_wall {
+            // The light comes over the hole, not through the ground behind the wall.
+            let open = clamp(floor(point.xz + 0.5 * normal.xz), vec2f(0.0), terrain.cells - 1.0);
+            lit_place = shadow::Place(open, point.xz - open, point.y);
+        }
+#else
+        let cut_wall = false;
+#endif
+        if !wall {
+            lit_place = shadow::place_on_ground(lit_place.cell, lit_place.within);
+        }
+        // Beside the box's own sides there is nothing.
+        shading::sunlight = shadow::sunlight(lit_place, !wall || cut_wall);
+    }
 #endif
     albedo = shading::lit(albedo, normal, ray.direction * (-1.0 / length_of_direction));
 #endif

@@ -4,7 +4,9 @@
 //! window. Every field has a default; a scene file names only what differs.
 
 pub mod land;
+pub mod light;
 pub mod ramp;
+pub mod sun;
 
 use std::path::PathBuf;
 
@@ -13,6 +15,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::camera::Camera;
 use crate::heightfield::{ConeKind, Crater, HeightField};
+use light::{Clock, Shadows, SkyModel};
+use sun::SunPlace;
 
 pub use land::{GroundColour, Hillshade, LandSettings};
 pub use ramp::Ramp;
@@ -231,6 +235,14 @@ pub struct LightingSettings {
     pub specular: f32,
     /// Exponent of the highlight.
     pub shininess: f32,
+    /// What hills and the occluder keep the sun from.
+    pub shadows: Shadows,
+    /// Shadows are drawn into a light map with a texel per cell, once for as long as nothing moves, instead of per frame.
+    pub baked: bool,
+    /// Light from everywhere is dimmed where hills stand around a place.
+    pub occlusion: bool,
+    /// Date, time and place that the sun follows in place of azimuth and elevation.
+    pub clock: Clock,
 }
 
 impl Default for LightingSettings {
@@ -243,15 +255,27 @@ impl Default for LightingSettings {
             diffuse: 1.0,
             specular: 0.08,
             shininess: 24.0,
+            shadows: Shadows::Off,
+            baked: false,
+            occlusion: false,
+            clock: Clock::default(),
         }
     }
 }
 
 impl LightingSettings {
+    /// Where the sun stands: as set, or by the clock.
+    pub fn sun_place(&self) -> SunPlace {
+        if self.clock.enabled {
+            return self.clock.sun();
+        }
+        SunPlace { azimuth: f64::from(self.sun_azimuth), elevation: f64::from(self.sun_elevation) }
+    }
+
     /// Unit vector towards the sun, world space.
     pub fn sun_direction(&self) -> DVec3 {
-        let (azimuth, elevation) =
-            (f64::from(self.sun_azimuth).to_radians(), f64::from(self.sun_elevation).to_radians());
+        let SunPlace { azimuth, elevation } = self.sun_place();
+        let (azimuth, elevation) = (azimuth.to_radians(), elevation.to_radians());
         DVec3::new(azimuth.sin() * elevation.cos(), elevation.sin(), -azimuth.cos() * elevation.cos())
     }
 }
@@ -267,11 +291,22 @@ pub struct SkyboxSettings {
     pub faces: Option<[PathBuf; 6]>,
     /// Width of the box over its height: above 1 it is flattened, which pulls the horizon down.
     pub flattening: f32,
+    /// What the sky is made by, where it is not of images.
+    pub model: SkyModel,
+    /// Haze of the physical sky, 1.7 (mountain air) to 10 (haze).
+    pub turbidity: f64,
 }
 
 impl Default for SkyboxSettings {
     fn default() -> Self {
-        Self { enabled: true, faces: None, flattening: 2.0 }
+        Self { enabled: true, faces: None, flattening: 2.0, model: SkyModel::Painted, turbidity: 3.0 }
+    }
+}
+
+impl SkyboxSettings {
+    /// Haze of the physical sky, where that is what is shown.
+    pub fn physical(&self) -> Option<f64> {
+        (self.enabled && self.faces.is_none() && self.model == SkyModel::Physical).then_some(self.turbidity)
     }
 }
 

@@ -7,6 +7,7 @@ use glam::DVec3;
 
 use crate::heightfield::load::MAX_SIDE;
 use crate::heightfield::{Crater, HEIGHT_SCALES};
+use crate::scene::light::Clock;
 use crate::scene::{Scene, land};
 
 /// Why a scene file could not be used.
@@ -183,7 +184,9 @@ pub fn validate(scene: &Scene) -> Result<(), OutOfRange> {
     check("lighting.diffuse", lighting.diffuse, 0.0..=100.0)?;
     check("lighting.specular", lighting.specular, 0.0..=100.0)?;
     check("lighting.shininess", lighting.shininess, SMALLEST..=10_000.0)?;
+    check_clock(&lighting.clock)?;
     check("skybox.flattening", skybox.flattening, 0.01..=100.0)?;
+    check("skybox.turbidity", skybox.turbidity, 1.7..=10.0)?;
     for value in occluder.position.iter().flat_map(DVec3::to_array) {
         check("occluder.position", value, -FARTHEST..=FARTHEST)?;
     }
@@ -247,6 +250,17 @@ pub(crate) const MOST_SAMPLES: u32 = 65536;
 pub(crate) const MOST_HALVINGS: u32 = 24;
 /// Most steps of a walk over the pyramid: what the longest ray over the largest map that opens can take.
 pub(crate) const MOST_STEPS: u32 = 16 * MAX_SIDE + 256;
+
+fn check_clock(clock: &Clock) -> Result<(), OutOfRange> {
+    check("lighting.clock.year", clock.year, 1900.0..=2100.0)?;
+    check("lighting.clock.month", clock.month, 1.0..=12.0)?;
+    check("lighting.clock.day", clock.day, 1.0..=31.0)?;
+    check("lighting.clock.hour", clock.hour, 0.0..=24.0)?;
+    let [latitude, longitude] = clock.place();
+    check("lighting.clock.latitude", latitude, -90.0..=90.0)?;
+    check("lighting.clock.longitude", longitude, -180.0..=180.0)?;
+    check("lighting.clock.speed", clock.speed, -1000.0..=1000.0)
+}
 
 fn check_crater(radius: f64, depth: f64, rim: f64) -> Result<(), OutOfRange> {
     check("radius", radius, SMALLEST..=10.0)?;
@@ -317,6 +331,9 @@ mod tests {
             ("[terrain]\nheight_scale = nan", "terrain.height_scale"),
             ("[camera]\neye = [0.0, inf, 0.0]", "camera.eye"),
             ("[camera]\neye = [0.0, 0.0, 0.0]\nfov = 180.0", "camera.fov"),
+            ("[lighting.clock]\nmonth = 13", "lighting.clock.month"),
+            ("[lighting.clock]\nlatitude = 91.0", "lighting.clock.latitude"),
+            ("[skybox]\nturbidity = 1.0", "skybox.turbidity"),
             ("[march]\nsamples_min = 0", "march.samples_min"),
             ("[march]\nsamples_min = 9\nsamples_max = 8", "march.samples_max"),
             (

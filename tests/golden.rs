@@ -10,10 +10,12 @@ use std::path::{Path, PathBuf};
 
 use common::pictures::{Difference, Tolerance, compare_with_golden};
 use common::{canyon, crater_on_the_summit, picture, renderer, scene_at, scene_from, scratch_file};
+use glam::DVec3;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ImageEncoder, Rgb, RgbImage, Rgba, RgbaImage};
 use relief::camera::NamedView;
 use relief::heightfield::{Crater, HeightField};
+use relief::scene::light::{Shadows, SkyModel};
 use relief::scene::{CraterMode, DebugView, GroundColour, HeightFilter, Hillshade, Ramp, Scene, Technique};
 
 /// Another version of the driver may round another way; more than this is another picture.
@@ -54,6 +56,13 @@ fn sky_faces() -> [PathBuf; 6] {
         checker(colours[index], colours[index].map(|channel| channel / 2)).save(&path).unwrap();
         path
     })
+}
+
+/// A sun that hills can hide, and shadows that show.
+fn low_sun(scene: &mut Scene, shadows: Shadows) {
+    (scene.lighting.sun_azimuth, scene.lighting.sun_elevation) = (250.0, 7.0);
+    (scene.lighting.ambient, scene.lighting.diffuse) = (0.18, 1.6);
+    scene.lighting.shadows = shadows;
 }
 
 fn march_cases(map: &HeightField, start: &Scene) -> Vec<Case> {
@@ -131,6 +140,19 @@ fn colour_cases(start: &Scene) -> Vec<Case> {
             (scene.lighting.ambient, scene.lighting.diffuse, scene.lighting.specular) = (0.0, 0.0, 1.0);
             scene.lighting.sun_azimuth = 0.0;
         }),
+        case("shadows-hard", start, |scene| low_sun(scene, Shadows::Hard)),
+        case("shadows-soft", start, |scene| low_sun(scene, Shadows::Soft)),
+        case("shadows-baked", start, |scene| {
+            low_sun(scene, Shadows::Soft);
+            scene.lighting.baked = true;
+        }),
+        case("ambient-occlusion", start, |scene| scene.lighting.occlusion = true),
+        case("sky-physical", start, |scene| scene.skybox.model = SkyModel::Physical),
+        case("sky-physical-evening", start, |scene| {
+            low_sun(scene, Shadows::Soft);
+            (scene.lighting.sun_azimuth, scene.lighting.sun_elevation) = (350.0, 4.0);
+            scene.skybox.model = SkyModel::Physical;
+        }),
         case("skybox-off", start, |scene| scene.skybox.enabled = false),
         case("skybox-images", start, |scene| scene.skybox.faces = Some(sky_faces())),
         case("skybox-not-flattened", start, |scene| scene.skybox.flattening = 1.0),
@@ -193,6 +215,12 @@ fn thing_cases(map: &HeightField, start: &Scene) -> Vec<Case> {
         case("occluder", start, |scene| {
             scene.occluder.enabled = true;
             scene.occluder.size = 0.2;
+        }),
+        case("occluder-shadow", start, |scene| {
+            scene.occluder.enabled = true;
+            scene.occluder.size = 0.12;
+            scene.occluder.position = Some(DVec3::new(0.5, 0.16, 0.6));
+            scene.lighting.shadows = Shadows::Soft;
         }),
         case("wireframe", &scene_at(NamedView::Over, map), |scene| scene.debug.wireframe = true),
         case("debug-position", start, debug(DebugView::Position)),

@@ -15,6 +15,7 @@ pub(crate) enum Action {
     KeyFrame,
     RemoveKeyFrame,
     PlayPath,
+    Shadows,
     ExaggerateLess,
     ExaggerateMore,
     Probe,
@@ -59,7 +60,7 @@ const fn always(action: Action, name: &'static str, default: &'static str, does:
 }
 
 /// All actions.
-pub(crate) const ACTIONS: [Entry; 30] = [
+pub(crate) const ACTIONS: [Entry; 31] = [
     row(Action::Forward, "forward", "W", "fly forward"),
     row(Action::Back, "back", "S", "fly back"),
     row(Action::Left, "left", "A", "fly left"),
@@ -72,6 +73,7 @@ pub(crate) const ACTIONS: [Entry; 30] = [
     row(Action::KeyFrame, "key-frame", "K", "record the eye as a key frame of the camera path"),
     row(Action::RemoveKeyFrame, "remove-key-frame", "Shift+K", "remove the path's last key frame"),
     row(Action::PlayPath, "play-path", "Space", "play the camera path, or stop it"),
+    row(Action::Shadows, "shadows", "L", "shadows: off, hard, soft"),
     row(
         Action::ExaggerateLess,
         "exaggerate-less",

@@ -192,7 +192,9 @@ fn stand_ins(wanted: &Scene, shown: &Scene) -> [Scene; 2] {
     let mut near = wanted.clone();
     (near.march, near.debug) = (shown.march.clone(), shown.debug.clone());
     (near.compare.enabled, near.compare.technique) = (shown.compare.enabled, shown.compare.technique);
-    near.lighting.enabled = shown.lighting.enabled;
+    (near.lighting.enabled, near.lighting.shadows) = (shown.lighting.enabled, shown.lighting.shadows);
+    near.skybox.model = shown.skybox.model;
+    (near.lighting.baked, near.lighting.occlusion) = (shown.lighting.baked, shown.lighting.occlusion);
     near.diffuse.enabled = shown.diffuse.enabled;
     near.skybox.enabled = shown.skybox.enabled;
     near.occluder.enabled = shown.occluder.enabled;

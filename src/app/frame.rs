@@ -110,6 +110,13 @@ impl Viewer {
             camera.eye += self.fly.step(&camera, height, now);
             self.scene.camera = Some(camera);
         }
+        self.ran = if self.scene.lighting.clock.runs() {
+            let passed = now.saturating_duration_since(self.ran.unwrap_or(now)).min(LONGEST_SPIN);
+            self.scene.lighting.clock.run(passed.as_secs_f64());
+            Some(now)
+        } else {
+            None
+        };
         self.spun = if self.spins() {
             let passed = now.saturating_duration_since(self.spun.unwrap_or(now)).min(LONGEST_SPIN);
             let occluder = &mut self.scene.occluder;

@@ -347,6 +347,12 @@ impl Viewer {
             Action::KeyFrame => self.path_command(graphics, PathCommand::Add, now),
             Action::RemoveKeyFrame => self.path_command(graphics, PathCommand::RemoveLast, now),
             Action::PlayPath => self.path_command(graphics, PathCommand::Play, now),
+            Action::Shadows => {
+                let lighting = &mut self.scene.lighting;
+                lighting.shadows = lighting.shadows.next();
+                let name = lighting.shadows.name();
+                self.show_hint(format!("Shadows: {name}"), now);
+            }
             Action::ExaggerateLess => self.step_exaggeration(graphics, false, now),
             Action::ExaggerateMore => self.step_exaggeration(graphics, true, now),
             Action::Probe => self.view.reading.probe = !self.view.reading.probe,

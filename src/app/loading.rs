@@ -21,6 +21,8 @@ pub(crate) struct Opened {
     pub(crate) map: Arc<HeightField>,
     /// The same with its pyramid and colours, which take too long to make between two frames.
     pub(crate) terrain: PreparedTerrain,
+    /// West, south, east and north in degrees, where that is known.
+    pub(crate) bounds: Option<[f64; 4]>,
     /// What the user should know about it.
     pub(crate) warnings: Vec<String>,
 }
@@ -111,12 +113,14 @@ fn open(path: &Path, limit: u32, cancel: &AtomicBool) -> Result<Opened, String> 
     let loaded = load::load_with(path, &options, listener).map_err(|error| error.to_string())?;
     let stem =
         || path.file_stem().map_or_else(|| path.display().to_string(), |stem| stem.to_string_lossy().into_owned());
+    let bounds = loaded.geographic_bounds();
     let map = Arc::new(loaded.field);
     Ok(Opened {
         path: std::path::absolute(path).unwrap_or_else(|_| path.into()),
         title: loaded.title.unwrap_or_else(stem),
         terrain: PreparedTerrain::new(Arc::clone(&map)).with_colours(),
         map,
+        bounds,
         warnings: loaded.warnings,
     })
 }

@@ -111,6 +111,8 @@ pub(crate) struct Viewer {
     pub(super) prepared: bool,
     /// The last picture had the occluder in it.
     pub(super) occluder_seen: bool,
+    /// The last time that the clock went on, while it runs.
+    pub(super) ran: Option<Instant>,
     /// The last turn of the occluder, while it spins.
     pub(super) spun: Option<Instant>,
     /// The window is covered, as the window system says.
@@ -195,6 +197,7 @@ impl Viewer {
             last_good: None,
             prepared: false,
             occluder_seen: false,
+            ran: None,
             spun: None,
             covered: false,
             hidden: false,
@@ -298,7 +301,7 @@ impl Viewer {
 
     /// Whether every frame shows another picture than the last.
     pub(super) fn moves(&self) -> bool {
-        self.fly.is_moving() || self.journey.is_under_way() || self.spins()
+        self.fly.is_moving() || self.journey.is_under_way() || self.spins() || self.scene.lighting.clock.runs()
     }
 
     /// Whether steps per ray are wanted, and there is a picture to measure them for. What is being compiled may be for them.
@@ -396,6 +399,8 @@ impl Viewer {
         self.scene.land.imagery = None;
         self.scene.craters.list.clear();
         self.scene.occluder.position = None;
+        (self.scene.lighting.clock.latitude, self.scene.lighting.clock.longitude) = (None, None);
+        self.scene.lighting.clock.stand_on(opened.bounds);
         self.scene.camera = Some(NamedView::Start.camera(&self.map, self.extent()));
         (self.drawn, self.shown, self.last_good) = (None, None, None);
         self.journey.stop();
@@ -502,6 +507,10 @@ pub(super) fn visible_part(scene: &Scene) -> Scene {
     let mut scene = scene.clone();
     (scene.craters.radius, scene.craters.depth, scene.craters.rim) = (radius, depth, rim);
     scene.occluder.spin = 0.0;
+    // A clock that runs makes a coarser sky than one that stands.
+    if !scene.lighting.clock.enabled {
+        scene.lighting.clock.speed = 0.0;
+    }
     scene
 }
 
@@ -511,6 +520,7 @@ pub(super) fn scene_of_picture(visible: &Scene, scene: &Scene) -> Scene {
     let CraterSettings { radius, depth, rim, .. } = scene.craters;
     (shown.craters.radius, shown.craters.depth, shown.craters.rim) = (radius, depth, rim);
     shown.occluder.spin = scene.occluder.spin;
+    shown.lighting.clock.speed = scene.lighting.clock.speed;
     shown
 }
 

@@ -12,6 +12,7 @@ use super::parse;
 use crate::camera::NamedView;
 use crate::heightfield::Holes;
 use crate::heightfield::import::{Encoding, Endian, ImportOptions, NoData, RawType, VerticalUnit};
+use crate::scene::light::{Shadows, SkyModel};
 use crate::scene::{CraterMode, DebugView, HeightFilter, Technique};
 
 const EXAMPLES: &str = "\
@@ -359,6 +360,21 @@ pub(crate) struct SceneArgs {
     #[arg(long, value_name = "AZIMUTH,ELEVATION", value_parser = parse::sun, allow_hyphen_values = true,
         help_heading = "Looks")]
     pub(crate) sun: Option<[f32; 2]>,
+    /// What hills and the occluder keep the sun from: hard, or with the sun's true half degree [default: off]
+    #[arg(long, value_name = "KIND", value_enum, help_heading = "Looks")]
+    pub(crate) shadows: Option<Shadows>,
+    /// Shadows from a light map with a texel per cell of the height map
+    #[arg(long, help_heading = "Looks")]
+    pub(crate) bake_shadows: bool,
+    /// Dim the light from everywhere where hills stand around
+    #[arg(long, help_heading = "Looks")]
+    pub(crate) occlusion: bool,
+    /// The sun of a date and hour, UTC, over the map (over the Grand Canyon where its place is not known)
+    #[arg(long, value_name = "YYYY-MM-DDTHH:MM", value_parser = parse::time, conflicts_with = "sun", help_heading = "Looks")]
+    pub(crate) time: Option<parse::Time>,
+    /// What the sky is made by, and with `physical` the light on the ground, too [default: painted]
+    #[arg(long, value_name = "MODEL", value_enum, help_heading = "Looks")]
+    pub(crate) sky: Option<SkyModel>,
     /// A flat background instead of the sky
     #[arg(long, help_heading = "Looks")]
     pub(crate) no_skybox: bool,

@@ -7,6 +7,7 @@ use clap::builder::{RangedU64ValueParser, TypedValueParser, ValueParser};
 use glam::DVec3;
 
 use crate::heightfield::{Crater, HEIGHT_SCALES};
+use crate::scene::light::Clock;
 use crate::scene::{CompareSettings, CraterSettings, Technique};
 use crate::scene_file::{FARTHEST, FIELDS_OF_VIEW, MOST_HALVINGS, MOST_SAMPLES, SMALLEST, readable};
 
@@ -144,6 +145,40 @@ pub(crate) fn sun(text: &str) -> Result<[f32; 2], String> {
         &[azimuth, elevation] if azimuth.abs() <= 360.0 && elevation.abs() <= 90.0 => Ok([azimuth, elevation]),
         &[_, _] => Err(String::from("the azimuth is within -360 and 360 degrees, the elevation within -90 and 90")),
         other => Err(format!("expected two numbers azimuth,elevation, found {}", other.len())),
+    }
+}
+
+/// A date and an hour, UTC.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Time {
+    date: (i32, u32, u32),
+    hour: f64,
+}
+
+impl Time {
+    /// Sets a clock to it.
+    pub(crate) fn set(self, clock: &mut Clock) {
+        clock.enabled = true;
+        ((clock.year, clock.month, clock.day), clock.hour) = (self.date, self.hour);
+    }
+}
+
+/// `YYYY-MM-DDTHH:MM`.
+pub(crate) fn time(text: &str) -> Result<Time, String> {
+    let wrong = || String::from("expected a date and a time of day, UTC, like 2026-06-21T19:30");
+    let (date, time) = text.trim_end_matches('Z').split_once('T').ok_or_else(wrong)?;
+    let numbers =
+        |text: &str, mark: char| -> Option<Vec<u32>> { text.split(mark).map(|part| part.parse().ok()).collect() };
+    let (date, time) = numbers(date, '-').zip(numbers(time, ':')).ok_or_else(wrong)?;
+    match (date.as_slice(), time.as_slice()) {
+        (&[year @ 1900..=2100, month @ 1..=12, day @ 1..=31], &[hour @ 0..=24, minute @ 0..=59]) => {
+            let hour = (f64::from(hour) + f64::from(minute) / 60.0).min(24.0);
+            Ok(Time { date: (year as i32, month, day), hour })
+        }
+        ([_, _, _], [_, _]) => Err(String::from(
+            "the year is within 1900 and 2100, and there are 12 months of at most 31 days of 24 hours",
+        )),
+        _ => Err(wrong()),
     }
 }
 

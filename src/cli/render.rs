@@ -31,6 +31,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     outputs.spare_the_inputs(&scene, args.scene.scene.as_deref())?;
     let (gpu, map) = Source::chosen(&args.scene, &scene).load_for_gpu(&args.scene.open.options())?;
     terrain::check_size(args.size, gpu.capabilities.max_texture)?;
+    scene.lighting.clock.stand_on(map.geographic_bounds());
     let map = map.field;
     terrain::place_camera(&args.scene, &mut scene, &map)?;
     terrain::warn_of(&scene, &map);

@@ -179,6 +179,16 @@ pub(crate) fn compose(args: &SceneArgs) -> Result<Scene, Failure> {
     if let Some([azimuth, elevation]) = args.sun {
         (scene.lighting.sun_azimuth, scene.lighting.sun_elevation) = (azimuth, elevation);
     }
+    if args.sun.is_some() {
+        scene.lighting.clock.enabled = false;
+    }
+    if let Some(time) = args.time {
+        time.set(&mut scene.lighting.clock);
+    }
+    set(&mut scene.lighting.shadows, args.shadows);
+    scene.lighting.baked |= args.bake_shadows;
+    scene.lighting.occlusion |= args.occlusion;
+    set(&mut scene.skybox.model, args.sky);
     scene.skybox.enabled &= !args.no_skybox;
     scene.occluder.enabled |= args.occluder || args.occluder_at.is_some();
     set_some(&mut scene.occluder.position, args.occluder_at);
@@ -258,6 +268,7 @@ mod tests {
 
     use super::*;
     use crate::cli::args::Command;
+    use crate::scene::light::{Shadows, SkyModel};
     use crate::scene::{CraterMode, Technique};
 
     fn scene_args(arguments: &[&str]) -> SceneArgs {
@@ -288,7 +299,7 @@ mod tests {
     #[test]
     fn every_flag_reaches_the_scene() {
         let flags = "--height-scale 0.5 --fixed-steps --samples 7..9 --binary-steps 0 --filter nearest \
-            --compare linear@0.25 --no-lower-start --no-discard --no-texture --no-lighting --sun 10,20 --no-skybox --occluder-at 1,2,3 \
+            --compare linear@0.25 --no-lower-start --no-discard --no-texture --no-lighting --sun 10,20 --shadows soft --bake-shadows --occlusion --sky physical --no-skybox --occluder-at 1,2,3 \
             --crater-mode layered --debug normals --wireframe";
         let scene = compose(&scene_args(&flags.split_whitespace().collect::<Vec<_>>())).unwrap();
         let march = &scene.march;
@@ -298,6 +309,10 @@ mod tests {
         assert!(!march.steps_by_angle && !march.lower_start && !march.discard_misses);
         assert!(!scene.diffuse.enabled && !scene.lighting.enabled && !scene.skybox.enabled);
         assert_eq!((scene.lighting.sun_azimuth, scene.lighting.sun_elevation), (10.0, 20.0));
+        assert_eq!((scene.lighting.shadows, scene.skybox.model), (Shadows::Soft, SkyModel::Physical));
+        assert!(scene.lighting.baked && scene.lighting.occlusion);
+        let later = compose(&scene_args(&["--time", "2026-12-21T19:30"])).unwrap().lighting.clock;
+        assert!(later.enabled && (later.year, later.month, later.day, later.hour) == (2026, 12, 21, 19.5));
         assert_eq!((scene.occluder.enabled, scene.occluder.position), (true, Some(DVec3::new(1.0, 2.0, 3.0))));
         assert_eq!(scene.craters.mode, CraterMode::Layered);
         assert!(scene.debug.wireframe && scene.debug.view == crate::scene::DebugView::Normals);

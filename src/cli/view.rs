@@ -21,6 +21,7 @@ pub(crate) fn run(args: &ViewArgs) -> Result<(), Failure> {
     let mut scene = terrain::compose(&args.scene)?;
     let source = Source::chosen(&args.scene, &scene);
     let map = source.load_to_fit(&args.scene.open.options())?.1;
+    scene.lighting.clock.stand_on(map.geographic_bounds());
     terrain::place_camera(&args.scene, &mut scene, &map.field)?;
     // The window repeats on stderr what it warns of.
     let remarks = scene_file::remarks(&scene, map.field.box_size(scene.terrain.height_scale));
@@ -48,6 +49,7 @@ fn without_display(args: &ViewArgs) -> Result<(), Failure> {
     let output = Output::prepare(&args.output)?;
     let mut scene = terrain::compose(&args.scene)?;
     let (gpu, map) = Source::chosen(&args.scene, &scene).load_for_gpu(&args.scene.open.options())?;
+    scene.lighting.clock.stand_on(map.geographic_bounds());
     let size = args.size.unwrap_or(PICTURE_SIZE);
     terrain::check_size(size, gpu.capabilities.max_texture)?;
     terrain::place_camera(&args.scene, &mut scene, &map.field)?;

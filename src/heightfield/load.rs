@@ -187,6 +187,14 @@ pub struct Loaded {
     pub taken: Taken,
 }
 
+impl Loaded {
+    /// West, south, east and north of the map in degrees, where its place is known.
+    pub fn geographic_bounds(&self) -> Option<[f64; 4]> {
+        let size = [self.field.width(), self.field.height()];
+        self.georeference.as_ref().and_then(|place| place.geographic_bounds(size))
+    }
+}
+
 /// Opens the height map `path` and its sidecar.
 pub fn load(path: &Path) -> Result<Loaded, LoadError> {
     load_with(path, &ImportOptions::default(), Listener::none())

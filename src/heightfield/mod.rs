@@ -16,6 +16,7 @@ mod property_tests;
 mod pyramid;
 pub mod reference;
 pub mod save;
+mod shadow;
 mod sidecar;
 pub mod survey;
 #[cfg(test)]

@@ -37,6 +37,14 @@ impl<'a> Surface<'a> {
         Self { field, size }
     }
 
+    pub(super) fn field(&self) -> &'a HeightField {
+        self.field
+    }
+
+    pub(super) fn size(&self) -> DVec3 {
+        self.size
+    }
+
     /// The first point of the ray, from its origin on, that is on or below the surface and in the box. An eye below
     /// the surface hits at depth 0. `None` is the sky, also for a ray that is not finite, has no direction, or one so
     /// short that no finite multiple of it reaches the ends of the box.

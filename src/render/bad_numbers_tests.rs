@@ -13,6 +13,7 @@ use crate::camera::{Camera, NamedView};
 use crate::gpu::{Gpu, Target};
 use crate::heightfield::generate::{Kind, generate};
 use crate::heightfield::{Crater, EditedTerrain, HeightField};
+use crate::scene::light::{Clock, Shadows, SkyModel};
 use crate::scene::{
     CompareSettings, CraterMode, CraterSettings, DebugSettings, DebugView, DiffuseSettings, GroundColour, HeightFilter,
     Hillshade, LandSettings, LightingSettings, MarchSettings, OccluderSettings, Ramp, Scene, SkyboxSettings, Technique,
@@ -59,8 +60,27 @@ fn full_scene() -> Scene {
             diffuse: 1.0,
             specular: 0.1,
             shininess: 24.0,
+            shadows: Shadows::Soft,
+            baked: false,
+            occlusion: true,
+            clock: Clock {
+                enabled: true,
+                year: 2026,
+                month: 6,
+                day: 21,
+                hour: 20.0,
+                latitude: Some(36.0),
+                longitude: Some(-112.0),
+                speed: 1.0,
+            },
         },
-        skybox: SkyboxSettings { enabled: true, faces: None, flattening: 2.0 },
+        skybox: SkyboxSettings {
+            enabled: true,
+            faces: None,
+            flattening: 2.0,
+            model: SkyModel::Physical,
+            turbidity: 3.0,
+        },
         occluder: OccluderSettings {
             enabled: true,
             position: Some(DVec3::new(0.5, 0.2, 0.5)),

@@ -18,6 +18,8 @@ mod ground;
 mod heat_map;
 mod land;
 mod ledger;
+mod light;
+mod light_map;
 #[cfg(test)]
 mod loops_tests;
 mod mips;
@@ -28,6 +30,7 @@ mod present;
 mod probe;
 mod pyramid_layout;
 mod sky_map;
+mod sky_model;
 mod skybox;
 mod split;
 mod terrain;
@@ -60,6 +63,7 @@ use frame::FrameBindings;
 pub(crate) use frame::ray_start;
 use ground::Ground;
 use land::Land;
+use light_map::LightMap;
 use occluder::CubeBindings;
 use pipelines::{PipelineKey, Pipelines};
 use prepare::{Aim, Draw, Passes};
@@ -87,6 +91,7 @@ pub struct Renderer {
     land: Land,
     skybox: Option<Skybox>,
     beams: Option<Beams>,
+    light_map: Option<LightMap>,
     /// Exact distances that a frame of the error view finds itself.
     exact: Option<ExactDistances>,
     /// Exact distances that were given to the error view.
@@ -150,6 +155,7 @@ impl Renderer {
             land: Land::new(&gpu),
             skybox: None,
             beams: None,
+            light_map: None,
             exact: None,
             reference: None,
             timer: FrameTimer::new(&gpu),
@@ -191,6 +197,7 @@ impl Renderer {
         if let Some(reason) = refused.or(invalid).or_else(|| pretended_refusal(bytes)) {
             return Err(RenderError::OutOfMemory { width, height, bytes, reason });
         }
+        self.light_map = None;
         self.ground = Some(ground);
         self.drape = Some(Drape::new(prepared.colours));
         self.land.forget_place();
@@ -245,6 +252,9 @@ impl Renderer {
         let passes = self.prepare(scene, target.size(), aim)?;
         let mut encoder =
             self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("frame") });
+        if let (Some(pass), Some(map)) = (&passes.light_map, &mut self.light_map) {
+            map.encode(&mut encoder, &self.frame.group, pass);
+        }
         self.encode_beams(&mut encoder, &passes, self.timer.writes(true, false));
         if let Some(draw) = &passes.exact {
             let first = passes.beams.is_none();
@@ -392,13 +402,13 @@ impl Renderer {
         self.land.list(&mut textures);
         textures.extend(self.skybox.as_ref().map(Skybox::entry));
         textures.extend(self.beams.iter().flat_map(Beams::entries));
+        textures.extend(self.light_map.as_ref().map(LightMap::entry));
         textures.extend(self.exact.as_ref().or(self.reference.as_ref()).map(ExactDistances::entry));
         textures.push(TextureEntry::of("picture", &target.color));
         textures.push(TextureEntry::of("depth", &target.depth));
-        let before = passes
-            .beams
-            .iter()
-            .flat_map(|_| Tiles::ALL.map(Tiles::name))
+        let baked = passes.light_map.iter().map(|_| "light map");
+        let before = baked
+            .chain(passes.beams.iter().flat_map(|_| Tiles::ALL.map(Tiles::name)))
             .chain(passes.exact.iter().map(|draw| draw.name));
         let before: Vec<_> = before.collect();
         let terrain = passes.draws.iter().find(|draw| matches!(draw.name, "terrain" | "compare"));

@@ -5,10 +5,13 @@ use glam::{DMat4, DQuat, DVec3, DVec4, EulerRot, Vec3};
 
 use crate::gpu::Gpu;
 use crate::heightfield::HeightField;
+use crate::scene::light::Shadows;
 use crate::scene::{LightingSettings, OccluderSettings};
 
-use super::frame::{uniform_buffer, uniform_entry, without_subnormals};
+use super::frame::{corner_sampler_entry, texture_entry, uniform_buffer, uniform_entry, without_subnormals};
+use super::light;
 use super::pipelines::{Built, PassDescription};
+use super::terrain::{TerrainUniform, bind};
 
 /// Mirror of `Cube` in `cube.wgsl`.
 #[repr(C)]
@@ -23,12 +26,69 @@ pub(super) fn bindings() -> Vec<wgpu::BindGroupLayoutEntry> {
     vec![uniform_entry::<CubeUniform>(0)]
 }
 
-pub(super) fn describe(probe: bool) -> PassDescription {
-    PassDescription {
-        defs: if probe { vec!["PROBE"] } else { Vec::new() },
+/// Which pipeline the occluder needs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub(super) struct OccluderKey {
+    pub(super) probe: bool,
+    /// What the terrain casts on it.
+    pub(super) shadows: Shadows,
+    /// The map has holes.
+    pub(super) holes: bool,
+    /// There is a crater layer.
+    pub(super) layered: bool,
+}
+
+impl OccluderKey {
+    pub(super) fn casts_shadows(self) -> bool {
+        self.shadows != Shadows::Off
+    }
+
+    /// Binding of the cube's uniform: the first is the terrain's where that is read, too.
+    fn binding(self) -> u32 {
+        if self.casts_shadows() { CUBE_BESIDE_TERRAIN } else { 0 }
+    }
+}
+
+/// Binding of the cube's uniform beside the terrain's.
+const CUBE_BESIDE_TERRAIN: u32 = 21;
+
+pub(super) fn describe(key: OccluderKey) -> PassDescription {
+    let plain = PassDescription {
         bindings: bindings(),
         cull: Some(wgpu::Face::Back),
-        ..PassDescription::scene(if probe { "occluder (probe)" } else { "occluder" }, "cube.wgsl", probe)
+        ..PassDescription::scene(if key.probe { "occluder (probe)" } else { "occluder" }, "cube.wgsl", key.probe)
+    };
+    if key.probe {
+        return PassDescription { defs: vec!["PROBE"], ..plain };
+    }
+    if !key.casts_shadows() {
+        return plain;
+    }
+    let mut bindings = vec![
+        uniform_entry::<CubeUniform>(key.binding()),
+        uniform_entry::<TerrainUniform>(0),
+        texture_entry(1, false, false),
+        texture_entry(3, false, false),
+        corner_sampler_entry(7),
+        light::layout_entry(),
+    ];
+    bindings.extend(key.layered.then(|| texture_entry(4, false, false)));
+    let defs: Vec<_> = [
+        (true, "SHADOWS"),
+        (true, "FROM_OUTSIDE"),
+        (key.shadows == Shadows::Soft, "SOFT_SHADOWS"),
+        (key.holes, "HOLES"),
+        (key.layered, "CRATERS_LAYERED"),
+    ]
+    .into_iter()
+    .filter_map(|(on, def)| on.then_some(def))
+    .collect();
+    PassDescription {
+        name: format!("occluder [{}]", defs.join(" ")),
+        modules: vec!["frame.wgsl", "heightfield.wgsl", "pyramid.wgsl", "light.wgsl", "shadow.wgsl"],
+        defs,
+        bindings,
+        ..plain
     }
 }
 
@@ -48,7 +108,7 @@ pub(super) fn uniform(clip: &[DVec4; 8], world_from_cube: DMat4, lighting: &Ligh
         let world = lighting.sun_direction();
         let axes = [world_from_cube.x_axis, world_from_cube.y_axis, world_from_cube.z_axis];
         let [x, y, z] = axes.map(|axis| axis.truncate().normalize_or_zero().dot(world));
-        DVec3::new(x, y, z).as_vec3() * lighting.diffuse * 0.7
+        DVec3::new(x, y, z).as_vec3() * light::direct_weights(lighting)[0] * 0.7
     } else {
         Vec3::ZERO
     };
@@ -67,13 +127,17 @@ impl CubeBindings {
         Self { buffer: uniform_buffer::<CubeUniform>(gpu, label) }
     }
 
-    /// Writes the uniform and makes the bind group for `built`.
-    pub(super) fn prepare(&self, gpu: &Gpu, built: &Built, uniform: &CubeUniform) -> wgpu::BindGroup {
+    /// Writes the uniform and makes the bind group for `built`, with the entries of what else its shader reads.
+    pub(super) fn prepare<'a>(
+        &'a self,
+        gpu: &Gpu,
+        built: &Built,
+        key: OccluderKey,
+        uniform: &CubeUniform,
+        mut entries: Vec<(u32, wgpu::BindingResource<'a>)>,
+    ) -> wgpu::BindGroup {
         gpu.queue.write_buffer(&self.buffer, 0, bytemuck::bytes_of(uniform));
-        gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some(&built.name),
-            layout: &built.layout,
-            entries: &[wgpu::BindGroupEntry { binding: 0, resource: self.buffer.as_entire_binding() }],
-        })
+        entries.push((key.binding(), self.buffer.as_entire_binding()));
+        bind(gpu, built, entries)
     }
 }

@@ -7,8 +7,10 @@ use std::sync::Arc;
 use crate::gpu::{COLOR_FORMAT, DEPTH_COMPARE, DEPTH_FORMAT, Gpu, PROBE_FORMAT, ShaderError, ShaderSources};
 
 use super::beam::Tiles;
+use super::light_map::LightMapKey;
+use super::occluder::OccluderKey;
 use super::terrain::TerrainKey;
-use super::{beam, heat_map, occluder, present, skybox, terrain, wireframe};
+use super::{beam, heat_map, light, light_map, occluder, present, skybox, terrain, wireframe};
 
 /// Which pipeline: everything that decides what is compiled into it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -17,9 +19,8 @@ pub(super) enum PipelineKey {
     Beam(Tiles, bool),
     Terrain(TerrainKey),
     Wireframe,
-    Occluder {
-        probe: bool,
-    },
+    Occluder(OccluderKey),
+    LightMap(LightMapKey),
     Skybox,
     Present(wgpu::TextureFormat),
 }
@@ -30,7 +31,8 @@ impl PipelineKey {
             Self::Beam(tiles, counts) => beam::describe(tiles, counts),
             Self::Terrain(key) => terrain::describe(key),
             Self::Wireframe => wireframe::describe(),
-            Self::Occluder { probe } => occluder::describe(probe),
+            Self::Occluder(key) => occluder::describe(key),
+            Self::LightMap(key) => light_map::describe(key),
             Self::Skybox => skybox::describe(),
             Self::Present(format) => present::describe(format),
         }
@@ -92,7 +94,7 @@ pub(super) struct Built {
 
 /// The embedded shaders, with the modules that are made from Rust values.
 pub(super) fn sources() -> ShaderSources {
-    ShaderSources::embedded(vec![("beam", beam::wgsl()), ("heat_map", heat_map::wgsl())])
+    ShaderSources::embedded(vec![("beam", beam::wgsl()), ("heat_map", heat_map::wgsl()), ("sun", light::wgsl())])
 }
 
 /// All pipelines alive.

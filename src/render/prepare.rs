@@ -6,7 +6,8 @@ use glam::{DMat4, DVec3, DVec4};
 
 use crate::camera::{Camera, NamedView};
 use crate::heightfield::{ConeKind, ConeMap};
-use crate::scene::{DebugView, Scene};
+use crate::scene::light::Shadows;
+use crate::scene::{CraterMode, DebugView, Scene};
 use crate::scene_file;
 
 use super::anchor::{self, Anchor, AnchorUniform};
@@ -17,6 +18,9 @@ use super::cube::{as_f32, clip_corners, in_view};
 use super::distances::ExactDistances;
 use super::frame::FrameUniform;
 use super::ground::Ground;
+use super::light::LightKey;
+use super::light_map::{LightMapKey, LightMapPass};
+use super::occluder::OccluderKey;
 use super::pipelines::{Built, PipelineKey};
 use super::skybox::Skybox;
 use super::split::{Area, Side, sides};
@@ -35,6 +39,8 @@ pub(super) struct Draw {
 
 /// What a frame or a probe draws.
 pub(super) struct Passes {
+    /// Draws the light map, where it is not that of the scene.
+    pub(super) light_map: Option<LightMapPass>,
     /// There where a technique starts from beams, with the part of the picture where rays do.
     pub(super) beams: Option<([BeamPass; 2], Area)>,
     /// Finds the exact distances, for the error view.
@@ -97,9 +103,15 @@ impl Renderer {
         let exact = self.prepare_exact(scene, &view, size, probe).map(|key| over_holes(key.in_a_deep_zoom(view.deep)));
         let whole = Area::whole(size);
         let beamed = terrains.iter().map(|(side, key)| (side.area, *key)).chain(exact.map(|key| (whole, key)));
-        let beamed = beamed.filter(|(_, key)| key.needs_pyramid()).map(|(area, _)| area).reduce(Area::union);
+        let beamed = beamed.filter(|(_, key)| key.starts_from_beams()).map(|(area, _)| area).reduce(Area::union);
+        let light = if probe { LightKey::default() } else { LightKey::of(scene) };
+        let stale = self.prepare_light(scene, &view, light, probe);
         if let Some(ground) = &mut self.ground {
-            ground.prepare(&self.gpu, &scene.craters, beamed.is_some());
+            let walked = terrains.iter().any(|(_, key)| key.needs_pyramid())
+                || beamed.is_some()
+                || stale.is_some()
+                || light.occluder;
+            ground.prepare(&self.gpu, &scene.craters, walked);
             let kinds: Vec<_> = terrains.iter().filter_map(|(_, key)| key.needs_cones()).collect();
             ground.prepare_cones(&self.gpu, &scene.craters, &kinds, &|_| {});
             if !probe && let Some(rect) = ground.take_changed() {
@@ -115,6 +127,7 @@ impl Renderer {
         let anchored = terrains.iter().map(|(_, key)| key).chain(&exact).any(|key| key.deep);
         let anchors = if anchored { self.prepare_anchors(scene, &view, size) } else { Vec::new() };
 
+        let light_map = stale.map(|source| self.light_map_pass(light, source)).transpose()?.flatten();
         let mut draws = Vec::new();
         for (side, key) in terrains {
             draws.extend(self.terrain_draw(scene, &view, side, key, aim)?);
@@ -141,7 +154,7 @@ impl Renderer {
             let group = skybox.group(&self.gpu, &built);
             draws.push(Draw { name: "skybox", built, group, edges: false, area: whole });
         }
-        Ok(Passes { beams, exact, draws, anchors })
+        Ok(Passes { light_map, beams, exact, draws, anchors })
     }
 
     /// Finds what the rays of a deep zoom count from, and hands it to the terrain pass.
@@ -241,15 +254,19 @@ impl Renderer {
             if terrain.iter().any(|key| !self.reads(ground, key)) {
                 return None;
             }
-            if terrain.iter().any(TerrainKey::needs_pyramid) {
+            if terrain.iter().any(TerrainKey::starts_from_beams) {
                 keys.extend(Tiles::ALL.map(|tiles| PipelineKey::Beam(tiles, false)));
+            }
+            let light = if probe { LightKey::default() } else { LightKey::of(scene) };
+            if light.needs_map() {
+                keys.push(PipelineKey::LightMap(LightMapKey::of(light, ground, is_layered(scene))));
             }
             keys.extend(terrain.into_iter().map(PipelineKey::Terrain));
             if scene.debug.wireframe && !probe {
                 keys.push(PipelineKey::Wireframe);
             }
             if scene.occluder.enabled {
-                keys.push(PipelineKey::Occluder { probe });
+                keys.push(PipelineKey::Occluder(occluder_key(scene, ground, probe)));
             }
         }
         if scene.skybox.enabled && scene.debug.view != DebugView::Error && !probe {
@@ -334,7 +351,7 @@ impl Renderer {
         Ok(coarse.zip(fine).map(|(coarse, fine)| [coarse, fine]))
     }
 
-    fn shows_terrain(&self, view: &View) -> bool {
+    pub(super) fn shows_terrain(&self, view: &View) -> bool {
         self.ground.is_some() && in_view(&view.box_clip)
     }
 
@@ -367,6 +384,7 @@ impl Renderer {
             drape: self.drape.as_ref(),
             land: &self.land,
             beams: self.beams.as_ref(),
+            light_map: self.light_map.as_ref(),
             given: if let Aim::Given(distances) = aim { Some(distances) } else { None },
             exact: self.reference.as_ref().or(self.exact.as_ref()).map(ExactDistances::view),
         };
@@ -381,7 +399,8 @@ impl Renderer {
             return Ok(None);
         }
         let built = self.pipelines.get(&self.gpu, &self.frame.layout, PipelineKey::Wireframe)?;
-        let group = self.wireframe.prepare(&self.gpu, &built, &wireframe::uniform(&clip));
+        let group =
+            self.wireframe.prepare(&self.gpu, &built, OccluderKey::default(), &wireframe::uniform(&clip), Vec::new());
         Ok(Some(Draw { name: "wireframe", built, group, edges: true, area }))
     }
 
@@ -398,11 +417,34 @@ impl Renderer {
         if !in_view(&clip) {
             return Ok(None);
         }
-        let built = self.pipelines.get(&self.gpu, &self.frame.layout, PipelineKey::Occluder { probe })?;
-        let group =
-            self.occluder.prepare(&self.gpu, &built, &occluder::uniform(&clip, world_from_cube, &scene.lighting));
+        let key = occluder_key(scene, ground, probe);
+        let built = self.pipelines.get(&self.gpu, &self.frame.layout, PipelineKey::Occluder(key))?;
+        let uniform = occluder::uniform(&clip, world_from_cube, &scene.lighting);
+        let mut entries = Vec::new();
+        if key.casts_shadows() {
+            if !in_view(&view.box_clip) {
+                // The terrain's own pass has not written it.
+                let uniform = TerrainUniform::new(scene, ground, self.drape.as_ref(), view.extent, &view.box_clip);
+                self.terrain.write(&self.gpu, &uniform);
+            }
+            let Some(shadow) = self.terrain.shadow_entries(ground) else { return Ok(None) };
+            entries = shadow;
+        }
+        let group = self.occluder.prepare(&self.gpu, &built, key, &uniform, entries);
         Ok(Some(Draw { name: "occluder", built, group, edges: false, area }))
     }
+}
+
+/// What the occluder's picture needs of the light: hills hide the sun from it.
+fn occluder_key(scene: &Scene, ground: &Ground, probe: bool) -> OccluderKey {
+    let light = if probe { LightKey::default() } else { LightKey::of(scene) };
+    let casts = light.shadows != Shadows::Off;
+    let layered = casts && is_layered(scene);
+    OccluderKey { probe, shadows: light.shadows, holes: casts && ground.has_holes(), layered }
+}
+
+fn is_layered(scene: &Scene) -> bool {
+    scene.craters.mode == CraterMode::Layered && !scene.craters.list.is_empty()
 }
 
 /// The terrain's draws: the parts of the picture, and the pipeline of each.

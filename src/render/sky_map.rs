@@ -3,7 +3,11 @@
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
+use crate::scene::LightingSettings;
+use crate::scene::sun::SunPlace;
+
 use super::mips::{Image, encode};
+use super::sky_model::{Daylight, SkyLight};
 
 /// Texels along a face's edge.
 pub(super) const FACE: u32 = 512;
@@ -18,7 +22,25 @@ pub(super) struct Sky {
     pub(super) sun: Vec3,
     /// Width over height of the box that the map is drawn on.
     pub(super) flattening: f32,
+    /// Haze of the physical sky; absent: the painted one.
+    pub(super) turbidity: Option<f64>,
 }
+
+/// The sun of a sky. By a clock that runs it moves in steps of half a texel: to make the map anew for less would show
+/// nothing.
+pub(super) fn sun_of(lighting: &LightingSettings) -> Vec3 {
+    let mut lighting = lighting.clone();
+    if lighting.clock.runs() {
+        let SunPlace { azimuth, elevation } = lighting.sun_place();
+        let stepped = |degrees: f64| (degrees / CLOCK_STEP).round() as f32 * CLOCK_STEP as f32;
+        (lighting.sun_azimuth, lighting.sun_elevation) = (stepped(azimuth), stepped(elevation));
+        lighting.clock.enabled = false;
+    }
+    lighting.sun_direction().as_vec3()
+}
+
+/// Degrees.
+const CLOCK_STEP: f64 = 0.1;
 
 /// The direction on the unit cube through the centre of texel (`x`, `y`) of face `face`: +x, −x, +y, −y, +z, −z. The outer
 /// texels' centres lie on the edges: neighbouring faces share them, so that no seam shows.
@@ -37,6 +59,7 @@ fn texel_direction(face: usize, x: u32, y: u32) -> Vec3 {
 
 /// The six faces.
 pub(super) fn faces(sky: &Sky) -> Vec<Image> {
+    let daylight = sky.turbidity.map(|turbidity| Physical::new(sky.sun, turbidity));
     (0..6)
         .map(|face| {
             let mut rgba = vec![255; (FACE * FACE * 4) as usize];
@@ -45,7 +68,10 @@ pub(super) fn faces(sky: &Sky) -> Vec<Image> {
                     // The map is drawn on a flattened box: where a texel ends up in the world decides its colour.
                     let on_cube = texel_direction(face, x as u32, y as u32);
                     let direction = (on_cube * Vec3::new(1.0, 1.0 / sky.flattening, 1.0)).normalize();
-                    let color = colour(sky, direction);
+                    let color = match &daylight {
+                        Some(daylight) => daylight.colour(direction),
+                        None => colour(sky, direction),
+                    };
                     // Half a step of ordered noise: without it the gradient shows its 8 bits as rings.
                     let noise = (hash(x as i32, (y + face * FACE as usize) as i32) - 0.5) / 255.0;
                     for (byte, light) in texel.iter_mut().zip(color.to_array()) {
@@ -57,6 +83,40 @@ pub(super) fn faces(sky: &Sky) -> Vec<Image> {
         })
         .collect()
 }
+
+/// Softness of the physical sun's edge: about a texel, in degrees.
+const SUN_EDGE: f32 = 0.2;
+
+/// A sky by `sky_model.rs`, as a picture shows it.
+struct Physical {
+    sky: Daylight,
+    light: SkyLight,
+    sun: Vec3,
+}
+
+impl Physical {
+    fn new(sun: Vec3, turbidity: f64) -> Self {
+        let sky = Daylight::new(sun.as_dvec3(), turbidity);
+        Self { light: sky.light(), sky, sun }
+    }
+
+    /// Linear light from `direction` (unit length), whatever the brightness below white.
+    fn colour(&self, direction: Vec3) -> Vec3 {
+        // Below the horizon: the haze over it, darker.
+        let level = DVec3::new(direction.x.into(), f64::from(direction.y).max(0.0), direction.z.into());
+        let mut light = (self.sky.sky(level.normalize_or(DVec3::Y)) * self.light.exposure).as_vec3();
+        let below = (-direction.y * 12.0).clamp(0.0, 1.0);
+        light *= 1.0 - 0.55 * below;
+        // The true disc is three texels wide; its brightness spreads into what the model has around it.
+        let angle = direction.dot(self.sun).clamp(-1.0, 1.0).acos().to_degrees();
+        let disc = ((PHYSICAL_SUN + SUN_EDGE - angle) / (2.0 * SUN_EDGE)).clamp(0.0, 1.0) * (1.0 - below).floor();
+        light += self.light.sun.as_vec3() * (20.0 * disc * disc);
+        Vec3::ONE - (-light).exp()
+    }
+}
+
+/// Angular radius of the physical sun's disc in degrees; the true one is 0.27°.
+const PHYSICAL_SUN: f32 = 0.4;
 
 /// Linear light from `direction` (unit length).
 fn colour(sky: &Sky, direction: Vec3) -> Vec3 {
@@ -134,9 +194,9 @@ mod tests {
     /// The sun in the picture must stand where the light comes from, whatever the flattening.
     #[test]
     fn the_brightest_texel_lies_towards_the_sun() {
-        for flattening in [1.0, 2.5] {
+        for (flattening, turbidity) in [(1.0, None), (2.5, None), (2.0, Some(3.0))] {
             let sun = Vec3::new(0.4, 0.35, -0.8).normalize();
-            let faces = faces(&Sky { sun, flattening });
+            let faces = faces(&Sky { sun, flattening, turbidity });
             let (mut brightest, mut best) = (0, Vec3::ZERO);
             for (index, face) in faces.iter().enumerate() {
                 for (i, texel) in face.rgba.chunks_exact(4).enumerate() {

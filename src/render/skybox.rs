@@ -35,8 +35,9 @@ impl Source {
         match &scene.skybox.faces {
             Some(files) => Self::Files(files.clone()),
             None => Self::Procedural(Sky {
-                sun: scene.lighting.sun_direction().as_vec3(),
+                sun: sky_map::sun_of(&scene.lighting),
                 flattening: scene.skybox.flattening,
+                turbidity: scene.skybox.physical(),
             }),
         }
     }

@@ -12,6 +12,8 @@ use super::drape::Drape;
 use super::frame::{corner_sampler_entry, sampler_entry, texture_entry, uniform_buffer, uniform_entry};
 use super::ground::Ground;
 use super::land::Land;
+use super::light::{self, LightBindings};
+use super::light_map::{self, LightMap};
 use super::pipelines::{Built, PassDescription};
 
 pub(super) use super::terrain_key::{Output, TerrainKey};
@@ -35,7 +37,8 @@ const ANCHOR: u32 = 14;
 pub(super) fn describe(key: TerrainKey) -> PassDescription {
     let filtered = key.filters_heights();
     let mut bindings = vec![uniform_entry::<TerrainUniform>(0)];
-    let mut modules = vec!["frame.wgsl", "heightfield.wgsl", "varyings.wgsl"];
+    // Nothing of a module comes in that is not imported.
+    let mut modules = vec!["frame.wgsl", "heightfield.wgsl", "varyings.wgsl", "light.wgsl"];
     if key.deep {
         modules.push("anchor.wgsl");
     }
@@ -43,10 +46,19 @@ pub(super) fn describe(key: TerrainKey) -> PassDescription {
     if key.reads_heights() {
         bindings.extend([texture_entry(1, filtered, false), corner_sampler_entry(7)]);
     }
+    if key.needs_pyramid() {
+        modules.push("pyramid.wgsl");
+    }
+    if key.light.needs_uniform() {
+        bindings.push(light::layout_entry());
+    }
+    if key.light.needs_map() {
+        bindings.extend(light_map::layout_entries());
+    }
+    if key.light.casts_shadows() {
+        modules.push("shadow.wgsl");
+    }
     if key.marches() {
-        if key.needs_pyramid() {
-            modules.push("pyramid.wgsl");
-        }
         modules.push("sampling.wgsl");
         if key.needs_cones().is_some() {
             modules.push("cones.wgsl");
@@ -68,7 +80,10 @@ pub(super) fn describe(key: TerrainKey) -> PassDescription {
         bindings.push(sampler_entry(2));
     }
     if key.needs_pyramid() {
-        bindings.extend([texture_entry(3, false, false), texture_entry(8, false, false)]);
+        bindings.push(texture_entry(3, false, false));
+    }
+    if key.starts_from_beams() {
+        bindings.push(texture_entry(8, false, false));
     }
     if key.needs_cones().is_some() {
         bindings.push(texture_entry(9, false, false));
@@ -137,6 +152,7 @@ pub(super) struct Textures<'a> {
     pub(super) drape: Option<&'a Drape>,
     pub(super) land: &'a Land,
     pub(super) beams: Option<&'a Beams>,
+    pub(super) light_map: Option<&'a LightMap>,
     /// Distances to read instead of casting rays.
     pub(super) given: Option<&'a wgpu::TextureView>,
     /// Distances to compare with.
@@ -148,6 +164,7 @@ pub(super) struct Textures<'a> {
 pub(super) struct TerrainBindings {
     buffer: wgpu::Buffer,
     anchors: wgpu::Buffer,
+    pub(super) light: LightBindings,
     corner_sampler: wgpu::Sampler,
     height_sampler: wgpu::Sampler,
     /// For a texture that covers the terrain once: its last texels must not mix with the first.
@@ -171,6 +188,7 @@ impl TerrainBindings {
         Self {
             buffer: uniform_buffer::<TerrainUniform>(gpu, "terrain"),
             anchors: uniform_buffer::<[AnchorUniform; MOST_ANCHORS]>(gpu, "anchors"),
+            light: LightBindings::new(gpu),
             corner_sampler: gpu
                 .device
                 .create_sampler(&wgpu::SamplerDescriptor { label: Some("corners of cells"), ..Default::default() }),
@@ -185,6 +203,25 @@ impl TerrainBindings {
         gpu.queue.write_buffer(&self.anchors, 0, bytemuck::bytes_of(anchors));
     }
 
+    /// Writes the uniform alone, for another pass that reads it.
+    pub(super) fn write(&self, gpu: &Gpu, uniform: &TerrainUniform) {
+        gpu.queue.write_buffer(&self.buffer, 0, bytemuck::bytes_of(uniform));
+    }
+
+    /// What a walk over the ground towards the sun reads; `None` without a pyramid.
+    pub(super) fn shadow_entries<'a>(&'a self, ground: &'a Ground) -> Option<Vec<(u32, wgpu::BindingResource<'a>)>> {
+        let view = wgpu::BindingResource::TextureView;
+        let mut entries = vec![
+            (0, self.buffer.as_entire_binding()),
+            (1, view(ground.heights())),
+            (3, view(ground.pyramid()?)),
+            (7, wgpu::BindingResource::Sampler(&self.corner_sampler)),
+            self.light.entry(),
+        ];
+        entries.extend(ground.layer().map(|(layer, ..)| (4, view(layer))));
+        Some(entries)
+    }
+
     /// Writes the uniform and makes the bind group of `built`; `None` where a texture it needs is missing.
     pub(super) fn prepare(
         &self,
@@ -194,8 +231,8 @@ impl TerrainBindings {
         uniform: &TerrainUniform,
         textures: &Textures<'_>,
     ) -> Option<wgpu::BindGroup> {
-        let &Textures { ground, drape, land, beams, given, exact } = textures;
-        gpu.queue.write_buffer(&self.buffer, 0, bytemuck::bytes_of(uniform));
+        let &Textures { ground, drape, land, beams, light_map, given, exact } = textures;
+        self.write(gpu, uniform);
         let view = wgpu::BindingResource::TextureView;
         let mut entries = vec![(0, self.buffer.as_entire_binding())];
         if key.given {
@@ -214,7 +251,16 @@ impl TerrainBindings {
             entries.push((2, wgpu::BindingResource::Sampler(&self.height_sampler)));
         }
         if key.needs_pyramid() {
-            entries.extend([(3, view(ground.pyramid()?)), (8, view(beams?.starts(Tiles::Fine)))]);
+            entries.push((3, view(ground.pyramid()?)));
+        }
+        if key.starts_from_beams() {
+            entries.push((8, view(beams?.starts(Tiles::Fine))));
+        }
+        if key.light.needs_map() {
+            entries.extend(light_map?.entries());
+        }
+        if key.light.needs_uniform() {
+            entries.push(self.light.entry());
         }
         if let Some(kind) = key.needs_cones() {
             entries.push((9, view(ground.cones(kind)?)));
@@ -251,7 +297,7 @@ impl TerrainBindings {
     }
 }
 
-fn bind(gpu: &Gpu, built: &Built, entries: Vec<(u32, wgpu::BindingResource<'_>)>) -> wgpu::BindGroup {
+pub(super) fn bind(gpu: &Gpu, built: &Built, entries: Vec<(u32, wgpu::BindingResource<'_>)>) -> wgpu::BindGroup {
     let entries: Vec<_> =
         entries.into_iter().map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource }).collect();
     gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {

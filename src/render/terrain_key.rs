@@ -4,6 +4,8 @@ use super::land::LandKey;
 use crate::heightfield::ConeKind;
 use crate::scene::{CraterMode, DebugView, HeightFilter, Scene, Technique};
 
+use super::light::LightKey;
+
 /// What the pass writes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Output {
@@ -35,6 +37,8 @@ pub(super) struct TerrainKey {
     pub(super) counts: bool,
     /// The land is shown as on a map (`land.rs`).
     pub(super) land: LandKey,
+    /// What the light adds.
+    pub(super) light: LightKey,
     pub(super) output: Output,
 }
 
@@ -64,6 +68,7 @@ impl TerrainKey {
             holes: false,
             deep: false,
             counts: false,
+            light: if shaded && !land.lights_ground() { LightKey::of(scene) } else { LightKey::default() },
             land,
             output,
         };
@@ -94,7 +99,7 @@ impl TerrainKey {
     /// The same for a view that is a deep zoom, or none. Only the exact technique is precise enough to need more than f32
     /// has: the others are wrong by more than that, and what is given as an f32 distance has lost it already.
     pub(super) fn in_a_deep_zoom(self, deep: bool) -> Self {
-        Self { deep: deep && self.needs_pyramid(), ..self }
+        Self { deep: deep && self.starts_from_beams(), ..self }
     }
 
     /// The same counting texel reads. Only the exact technique's differ from its steps by more than a factor.
@@ -131,9 +136,14 @@ impl TerrainKey {
         self.output == Output::View(DebugView::Error)
     }
 
-    /// Whether the technique walks the maximum pyramid.
-    pub(super) fn needs_pyramid(&self) -> bool {
+    /// Whether rays walk the maximum pyramid from where beams end.
+    pub(super) fn starts_from_beams(&self) -> bool {
         self.marches() && self.technique == Technique::MaxMipmap
+    }
+
+    /// Whether the maximum pyramid is walked: by the technique, or towards the sun.
+    pub(super) fn needs_pyramid(&self) -> bool {
+        self.starts_from_beams() || self.light.casts_shadows()
     }
 
     /// The cone map that the technique steps along.
@@ -161,6 +171,7 @@ impl TerrainKey {
             deep: false,
             counts: false,
             land: LandKey::default(),
+            light: LightKey::default(),
             output: Output::View(DebugView::Position),
         }
     }
@@ -209,6 +220,17 @@ impl TerrainKey {
                 [key, key.over_holes(true)]
             }));
         }
+        // What the light adds meets each technique once, and all else that it touches.
+        for technique in Technique::ALL {
+            let base = Self::of_technique(&Scene::default(), technique, false);
+            for light in LightKey::all() {
+                let lit = Self { light, ..base };
+                let deep = lit.in_a_deep_zoom(true);
+                let layered = Self { layered: true, diffuse: false, discard_misses: false, ..lit };
+                let all = [lit, lit.over_holes(true), deep, deep.over_holes(true), layered, lit.with_given_distances()];
+                keys.extend(all);
+            }
+        }
         keys.into_iter().collect()
     }
 
@@ -218,7 +240,7 @@ impl TerrainKey {
             (self.filter == HeightFilter::HardwareLinear, "FILTER_HARDWARE_LINEAR"),
             (self.filters_heights(), "HEIGHT_SAMPLER"),
             (self.filter == HeightFilter::Nearest, "FILTER_NEAREST"),
-            (self.needs_pyramid(), "BEAM"),
+            (self.starts_from_beams(), "BEAM"),
             (self.deep, "DEEP_ZOOM"),
             (self.counts, "COUNT_READS"),
             (self.holes, "HOLES"),
@@ -241,6 +263,7 @@ impl TerrainKey {
         .into_iter()
         .filter_map(|(on, def)| on.then_some(def))
         .chain(self.land.defs())
+        .chain(self.light.defs())
         .collect()
     }
 

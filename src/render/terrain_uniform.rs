@@ -8,6 +8,7 @@ use crate::scene::Scene;
 use super::drape::Drape;
 use super::frame::without_subnormals;
 use super::ground::Ground;
+use super::light::direct_weights;
 
 /// Mirror of `Terrain` in `heightfield.wgsl`.
 #[repr(C)]
@@ -52,6 +53,7 @@ impl TerrainUniform {
         let cells = field.cells();
         let (layer_cells, rise) = ground.layer().map_or(([1, 1], 0.0), |(_, cells, rise)| (cells, rise));
         let (light, levels) = (&scene.lighting, ground.pyramid_layout());
+        let [diffuse, specular] = direct_weights(light);
         let floats = without_subnormals(Self {
             box_clip: super::cube::as_f32(box_clip),
             size: extent.as_vec3(),
@@ -72,8 +74,8 @@ impl TerrainUniform {
             step_cap: 0,
             heat_map_max: scene.debug.heat_map_max.max(1) as f32,
             repeats: scene.diffuse.repeats,
-            diffuse: light.diffuse,
-            specular: light.specular,
+            diffuse,
+            specular,
             shininess: light.shininess,
             height_unit: (extent.y * ground.height_unit()) as f32,
             sun: light.sun_direction().as_vec3(),

@@ -8,12 +8,15 @@ use glam::{DVec2, DVec3, DVec4};
 use super::anchor::AnchorUniform;
 use super::cube::{clip_corners, in_view};
 use super::frame::FrameUniform;
-use super::occluder::CubeUniform;
+use super::light::{LightKey, LightUniform};
+use super::light_map::LightMapKey;
+use super::occluder::{CubeUniform, OccluderKey};
 use super::pipelines::sources;
 use super::terrain::{TerrainKey, TerrainUniform};
 use super::*;
 use crate::camera::{Camera, NamedView};
 use crate::gpu::COLOR_FORMAT;
+use crate::scene::light::Shadows;
 use crate::scene::{CraterMode, HeightFilter, Technique};
 
 /// Offsets and size of a WGSL struct, as naga laid it out. naga_oil decorates names, so the struct is found by its stem.
@@ -148,7 +151,10 @@ fn rust_and_wgsl_agree_on_every_uniform() {
             grounds,
         ]
     );
-    let pass = occluder::describe(false);
+    let pass = terrain::describe(TerrainKey { light: LightKey::all()[2], ..key });
+    let module = sources().compose(pass.file, &pass.modules, &pass.defs).unwrap();
+    assert_layout!(&module, "Light", LightUniform, [columns, shares, cube, sky, sun, cells_per_texel]);
+    let pass = occluder::describe(OccluderKey::default());
     let module = sources().compose(pass.file, &pass.modules, &pass.defs).unwrap();
     assert_layout!(&module, "Cube", CubeUniform, [clip, sun, ambient]);
 }
@@ -165,12 +171,22 @@ fn every_reachable_pipeline_builds_and_binds_just_what_its_shader_uses() {
         PipelineKey::Beam(Tiles::Coarse, true),
         PipelineKey::Beam(Tiles::Fine, true),
         PipelineKey::Wireframe,
-        PipelineKey::Occluder { probe: false },
-        PipelineKey::Occluder { probe: true },
+        PipelineKey::Occluder(OccluderKey::default()),
+        PipelineKey::Occluder(OccluderKey { probe: true, ..OccluderKey::default() }),
         PipelineKey::Skybox,
         PipelineKey::Present(wgpu::TextureFormat::Bgra8Unorm),
         PipelineKey::Present(COLOR_FORMAT),
     ]);
+    for shadows in [Shadows::Hard, Shadows::Soft] {
+        for (holes, layered) in [(false, false), (true, false), (true, true)] {
+            all.push(PipelineKey::Occluder(OccluderKey { probe: false, shadows, holes, layered }));
+        }
+    }
+    let baking = LightKey::all().into_iter().filter(|light| light.needs_map());
+    all.extend(baking.flat_map(|light| {
+        let ground = [(false, false), (true, false), (true, true)];
+        ground.map(|(holes, layered)| PipelineKey::LightMap(LightMapKey { light, holes, layered }))
+    }));
     for software in [false, true] {
         let mut gpu = Gpu::noop();
         Arc::get_mut(&mut gpu).unwrap().capabilities.software = software;

@@ -11,6 +11,7 @@ use super::sweep::{ROUNDS, first_line};
 use super::{Halt, Job};
 use crate::heightfield::Crater;
 use crate::render::RenderError;
+use crate::scene::light::{Shadows, SkyModel};
 use crate::scene::{CraterMode, GroundColour, HeightFilter, Hillshade, Scene, Technique};
 
 /// A feature that is switched against the base frame.
@@ -54,8 +55,11 @@ fn variants(job: &Job, scene: &Scene, able: &[Technique]) -> Vec<(String, Scene,
     let mut base = scene.clone();
     Setting::BASE.apply(&mut base.march);
     base.lighting.enabled = true;
+    base.lighting.shadows = Shadows::Off;
+    (base.lighting.baked, base.lighting.occlusion) = (false, false);
+    base.skybox.model = SkyModel::Painted;
     let list = craters(job);
-    let changes: [Change<'_>; 15] = [
+    let changes: [Change<'_>; 20] = [
         ("base frame", None, &|_| {}),
         ("without halvings", None, &|scene| scene.march.binary_steps = 0),
         ("fixed steps (512) instead of by angle", None, &|scene| scene.march.steps_by_angle = false),
@@ -74,6 +78,15 @@ fn variants(job: &Job, scene: &Scene, able: &[Technique]) -> Vec<(String, Scene,
             scene.land.hillshade = Hillshade::Multidirectional;
         }),
         ("without lighting", None, &|scene| scene.lighting.enabled = false),
+        ("hard shadows", None, &|scene| scene.lighting.shadows = Shadows::Hard),
+        ("soft shadows", None, &|scene| scene.lighting.shadows = Shadows::Soft),
+        ("soft shadows, baked", None, &|scene| {
+            (scene.lighting.shadows, scene.lighting.baked) = (Shadows::Soft, true);
+        }),
+        ("ambient occlusion", None, &|scene| scene.lighting.occlusion = true),
+        ("light of a physical sky", None, &|scene| {
+            (scene.skybox.enabled, scene.skybox.model) = (true, SkyModel::Physical);
+        }),
         ("without a diffuse texture", None, &|scene| scene.diffuse.enabled = !scene.diffuse.enabled),
     ];
     let changed = |change: &dyn Fn(&mut Scene)| {

@@ -144,9 +144,31 @@ const LAND: &[Row] = &[
 const SKYBOX: &[Row] = &[
     ("Flattening", Slide(0.5), "/scene/skybox/flattening", Nothing),
     ("Flattening value", Number("3"), "/scene/skybox/flattening", Nothing),
+    ("Sky model", Choose("physical"), "/scene/skybox/model", Def("SKY_LIGHT")),
+    ("Turbidity", Slide(0.5), "/scene/skybox/turbidity", Uploads),
+    ("Turbidity value", Number("4"), "/scene/skybox/turbidity", Uploads),
     ("Apply sky faces", Click, "/scene/skybox/faces", Uploads),
     ("Procedural sky", Click, "/scene/skybox/faces", Uploads),
     ("Enable skybox", Click, "/scene/skybox/enabled", NoPass("skybox")),
+];
+
+const SUN: &[Row] = &[
+    ("Shadows", Choose("soft"), "/scene/lighting/shadows", Def("SOFT_SHADOWS")),
+    ("Bake shadows", Click, "/scene/lighting/baked", Def("BAKED_SHADOWS")),
+    ("Ambient occlusion", Click, "/scene/lighting/occlusion", Def("OCCLUSION")),
+    ("Follow the clock", Click, "/scene/lighting/clock/enabled", Uploads),
+    ("Hour", Slide(0.8), "/scene/lighting/clock/hour", Uploads),
+    ("Hour value", Number("19"), "/scene/lighting/clock/hour", Uploads),
+    ("Month", Slide(0.2), "/scene/lighting/clock/month", Nothing),
+    ("Month value", Number("4"), "/scene/lighting/clock/month", Nothing),
+    ("Day", Slide(0.2), "/scene/lighting/clock/day", Nothing),
+    ("Day value", Number("9"), "/scene/lighting/clock/day", Nothing),
+    ("Year", Slide(0.2), "/scene/lighting/clock/year", Nothing),
+    ("Year value", Number("1999"), "/scene/lighting/clock/year", Nothing),
+    ("Latitude", Slide(0.7), "/scene/lighting/clock/latitude", Nothing),
+    ("Latitude value", Number("40"), "/scene/lighting/clock/latitude", Nothing),
+    ("Longitude", Slide(0.2), "/scene/lighting/clock/longitude", Nothing),
+    ("Longitude value", Number("-100"), "/scene/lighting/clock/longitude", Nothing),
 ];
 
 const OCCLUDER: &[Row] = &[
@@ -212,6 +234,7 @@ const SECTIONS: [(&str, &[Row], &str, &str); 12] = [
     ("Lighting", LIGHTING, "Reset lighting", "/lighting"),
     ("Land", LAND, "Reset land", "/land"),
     ("Skybox", SKYBOX, "Reset skybox", "/skybox"),
+    ("Sun", SUN, "Reset sun", "/lighting"),
     ("Occluder", OCCLUDER, "Reset occluder", "/occluder"),
     ("Craters", CRATERS, "Reset craters", "/craters"),
     ("Debug", DEBUG, "Reset debug", "/debug"),
@@ -245,6 +268,8 @@ const ELSEWHERE: &[(&str, &str)] = &[
     ("Diffuse image", "filled in below, before its button"),
     ("Spin", "the rail is not dragged: a turning cube never settles"),
     ("Spin value", "typed in by the test of idling, which spins and stops"),
+    ("Clock speed", "the rail is not dragged: a running clock never settles"),
+    ("Clock speed value", "typed in by the test of idling, which lets the clock run and stops it"),
     ("Show help", "used below: the help's window brings a widget of its own"),
     ("Close window", "the help's own, used below"),
 ];

@@ -11,7 +11,8 @@ pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
     section(ui, "Lighting", false, Some(reset), |ui, reset| {
         let lighting = &mut panel.scene.lighting;
         if reset {
-            *lighting = LightingSettings::default();
+            let LightingSettings { shadows, baked, occlusion, clock, .. } = lighting.clone();
+            *lighting = LightingSettings { shadows, baked, occlusion, clock, ..LightingSettings::default() };
         }
         let tooltip =
             "Lights the ground. Costs four gathers of heights per pixel for the normal; off, none is computed.";

@@ -16,6 +16,7 @@ mod march;
 mod occluder;
 mod path;
 mod skybox;
+mod sun;
 mod terrain;
 mod tradeoff;
 mod widgets;
@@ -47,7 +48,7 @@ pub(crate) struct Panel<'a> {
 type Section = (&'static str, fn(&mut egui::Ui, &mut Panel<'_>));
 
 /// All sections from top to bottom.
-const SECTIONS: [Section; 18] = [
+const SECTIONS: [Section; 19] = [
     ("Terrain", terrain::show),
     ("Camera", camera::show),
     ("Bookmarks", bookmarks::show),
@@ -58,6 +59,7 @@ const SECTIONS: [Section; 18] = [
     ("Lighting", lighting::show),
     ("Land", land::show),
     ("Skybox", skybox::show),
+    ("Sun", sun::show),
     ("Occluder", occluder::show),
     ("Craters", craters::show),
     ("Debug", debug::show),

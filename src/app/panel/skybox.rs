@@ -5,8 +5,9 @@ use std::path::PathBuf;
 use egui::Ui;
 
 use super::Panel;
-use super::widgets::{Number, button_unless, fact, section, text, toggle};
+use super::widgets::{Choice, Number, button_unless, choose, fact, section, text, toggle};
 use crate::scene::SkyboxSettings;
+use crate::scene::light::SkyModel;
 
 /// The faces in the order of the scene file.
 const FACES: [&str; 6] = ["+x (east)", "−x (west)", "+y (up)", "−y (down)", "+z (south)", "−z (north)"];
@@ -25,7 +26,30 @@ pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
         Number::new("Flattening", "Width of the sky's box over its height: higher pulls the horizon down. Free per frame; a procedural sky is made anew at each change.")
             .disabled_when(!skybox.enabled, "the skybox is off")
             .slider(ui, &mut skybox.flattening, 1.0..=16.0);
-        fact(ui, "Sky", if skybox.faces.is_some() { "six images" } else { "procedural: sun and distant hills" });
+        let images = skybox.faces.is_some().then_some("the sky is of images");
+        let choices = SkyModel::ALL.map(|value| Choice {
+            value,
+            name: value.name(),
+            off: None,
+            tooltip: match value {
+                SkyModel::Painted => "A gradient with the sun and distant hills.",
+                SkyModel::Physical => {
+                    "The analytic daylight of Preetham, Shirley and Smits (1999). It lights the ground, too: a few \
+                     operations per pixel."
+                }
+            },
+        });
+        let tooltip = "What makes the sky. The map is made anew at each change; another light is another pipeline.";
+        choose(ui, &mut skybox.model, &choices, "Sky model", tooltip, images);
+        let painted = skybox.model != SkyModel::Physical;
+        Number::new(
+            "Turbidity",
+            "Haze of the physical sky, from mountain air to a hazy day. Free per frame; the sky is made anew.",
+        )
+        .decimals(1)
+        .disabled_when(painted, "the sky is painted")
+        .slider(ui, &mut skybox.turbidity, 1.7..=10.0);
+        fact(ui, "Sky", if skybox.faces.is_some() { "six images" } else { "procedural" });
         for (path, face) in paths.iter_mut().zip(FACES) {
             let tooltip = format!("The square image that is seen towards {face}. Costs its size on the GPU.");
             text(ui, path, &format!("Sky face {face}"), face, &tooltip);
