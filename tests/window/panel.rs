@@ -225,7 +225,7 @@ const FRAME: &[Row] = &[
 ];
 
 /// Sections, their rows, what their reset button is called, and the part of the scene it restores.
-const SECTIONS: [(&str, &[Row], &str, &str); 12] = [
+const SECTIONS: [(&str, &[Row], &str, &str); 13] = [
     ("Terrain", TERRAIN, "Reset terrain", "/terrain"),
     ("Camera", CAMERA, "Reset camera", "/camera"),
     ("March", MARCH, "Reset march", "/march"),
