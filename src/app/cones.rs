@@ -216,7 +216,19 @@ impl Viewer {
             || drawable.compare.technique != self.scene.compare.technique;
         let meanwhile =
             if waits { format!("{} draws meanwhile", STAND_IN.name()) } else { "for the measurement".into() };
-        Some(format!("Finding cones: {:.0} %, {meanwhile}", share * 100.0))
+        Some(format!("Finding cones: {:.0} %, {meanwhile} (Esc cancels)", share * 100.0))
+    }
+
+    /// Gives up the search for cones: what draws meanwhile is chosen from now on. False where none are being found.
+    pub(super) fn give_up_cones(&mut self, graphics: &Graphics) -> bool {
+        if !self.cones.is_busy() {
+            return false;
+        }
+        let drawn = drawable(&self.scene, &graphics.renderer);
+        self.scene.march.technique = drawn.march.technique;
+        self.scene.compare.technique = drawn.compare.technique;
+        self.cones.forget();
+        true
     }
 }
 

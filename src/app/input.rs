@@ -8,15 +8,13 @@ use winit::event::{ElementState, KeyEvent, MouseButton, MouseScrollDelta, Window
 use winit::keyboard::{Key, KeyCode, NamedKey, PhysicalKey};
 use winit::window::CursorGrabMode;
 
-use super::actions::Action;
 use super::controls::{Direction, look};
 use super::graphics::Graphics;
 use super::keys::{self, Press};
-use super::preferences::{Mode, ZOOMS};
-use super::settings::{Command, PathCommand};
+use super::preferences::Mode;
+use super::settings::Command;
 use super::viewer::Viewer;
 use super::{overlay, picking};
-use crate::camera::NamedView;
 
 /// How long a hint stays.
 const HINT_TIME: Duration = Duration::from_millis(1400);
@@ -255,7 +253,7 @@ impl Viewer {
         let typing = self.egui.egui_ctx().egui_wants_keyboard_input();
         if press.key == KeyCode::Escape {
             if !typing {
-                self.escape(now);
+                self.escape(graphics, now);
             }
             return;
         }
@@ -286,126 +284,8 @@ impl Viewer {
         }
     }
 
-    /// Gives the action that waits for it its new key.
-    fn rebind(&mut self, press: Press) {
-        const MODIFIERS: [KeyCode; 8] = [
-            KeyCode::ControlLeft,
-            KeyCode::ControlRight,
-            KeyCode::ShiftLeft,
-            KeyCode::ShiftRight,
-            KeyCode::AltLeft,
-            KeyCode::AltRight,
-            KeyCode::SuperLeft,
-            KeyCode::SuperRight,
-        ];
-        let Some(action) = self.view.rebinding.filter(|_| !MODIFIERS.contains(&press.key)) else { return };
-        self.redraw.invalidate();
-        (self.view.rebinding, self.view.refused) = (None, None);
-        if press.key == KeyCode::Escape {
-            return;
-        }
-        let plain_backspace = press.key == KeyCode::Backspace && !press.ctrl && !press.shift;
-        let chord = (!plain_backspace).then(|| press.chord());
-        if let Err(error) = self.view.keys.bind(action, chord) {
-            self.toasts.error(&error.to_string());
-            self.view.refused = Some((action, error.to_string()));
-        }
-    }
-
-    /// What Esc does: the first of these that there is something to do for.
-    fn escape(&mut self, now: Instant) {
-        self.redraw.invalidate();
-        if self.pointer.captured {
-            self.capture(false);
-        } else if self.view.welcome {
-            self.view.welcome = false;
-        } else if self.view.reading.measure {
-            self.view.reading.set_measure(false);
-        } else if self.view.help {
-            self.view.help = false;
-        } else if self.journey.stop() {
-            // It stays where it is.
-        } else if self.film.is_some() {
-            self.cancel_export(now);
-        } else if let Some(path) = self.loader.cancel() {
-            self.toasts.info(&format!("{} is not opened; the old terrain stays.", path.display()), now);
-        } else {
-            self.toasts.dismiss_errors();
-        }
-    }
-
-    fn act(&mut self, graphics: &mut Graphics, action: Action, now: Instant) {
-        self.redraw.invalidate();
-        if action != Action::PlayPath {
-            self.journey.stop();
-        }
-        let zoomed = |zoom: f32, by: f32| ((zoom + by) * 10.0).round() / 10.0;
-        match action {
-            Action::Capture => self.capture(!self.pointer.captured),
-            Action::FrameTerrain => self.execute(graphics, Command::View(NamedView::Start)),
-            Action::Orbit => self.toggle_mode(now),
-            Action::KeyFrame => self.path_command(graphics, PathCommand::Add, now),
-            Action::RemoveKeyFrame => self.path_command(graphics, PathCommand::RemoveLast, now),
-            Action::PlayPath => self.path_command(graphics, PathCommand::Play, now),
-            Action::Shadows => {
-                let lighting = &mut self.scene.lighting;
-                lighting.shadows = lighting.shadows.next();
-                let name = lighting.shadows.name();
-                self.show_hint(format!("Shadows: {name}"), now);
-            }
-            Action::ExaggerateLess => self.step_exaggeration(graphics, false, now),
-            Action::ExaggerateMore => self.step_exaggeration(graphics, true, now),
-            Action::Probe => self.view.reading.probe = !self.view.reading.probe,
-            Action::Measure => self.execute(graphics, Command::Measure(!self.view.reading.measure)),
-            Action::Crater => self.crater(graphics, now),
-            Action::UndoCrater => self.execute(graphics, Command::UndoCrater),
-            Action::ClearCraters => self.execute(graphics, Command::ClearCraters),
-            Action::Help => self.view.help = !self.view.help,
-            Action::Panel => self.view.panel = !self.view.panel,
-            Action::Overlay => self.view.overlay = !self.view.overlay,
-            Action::Log => self.view.log.open = !self.view.log.open,
-            Action::FocusPanel => self.focus_panel(),
-            Action::ZoomIn => self.zoom_to(zoomed(self.view.zoom, 0.1), now),
-            Action::ZoomOut => self.zoom_to(zoomed(self.view.zoom, -0.1), now),
-            Action::ZoomReset => self.zoom_to(1.0, now),
-            Action::FullScreen => self.execute(graphics, Command::FullScreen),
-            Action::Screenshot => self.execute(graphics, Command::Screenshot),
-            Action::Quit => self.quit = true,
-            // These are held: `key` has seen to them.
-            Action::Forward | Action::Back | Action::Left | Action::Right | Action::Up | Action::Down => {}
-        }
-    }
-
-    fn zoom_to(&mut self, zoom: f32, now: Instant) {
-        self.view.zoom = zoom.clamp(*ZOOMS.start(), *ZOOMS.end());
-        self.show_hint(format!("Panel and text at {:.0} %", self.view.zoom * 100.0), now);
-    }
-
-    /// Gives the keyboard to the panel's first control, or back to flying.
-    fn focus_panel(&mut self) {
-        let focused = self.egui.egui_ctx().memory(egui::Memory::focused);
-        if let Some(id) = focused {
-            self.egui.egui_ctx().memory_mut(|memory| memory.surrender_focus(id));
-            return;
-        }
-        self.view.panel = true;
-        self.fly.release_all();
-        let events = &mut self.egui.egui_input_mut().events;
-        for pressed in [true, false] {
-            let (key, modifiers) = (egui::Key::Tab, egui::Modifiers::NONE);
-            events.push(egui::Event::Key { key, physical_key: None, pressed, repeat: false, modifiers });
-        }
-    }
-
-    /// Destroys the GPU device, to try what a driver's reset would do. Debug builds only.
-    fn lose_device(&mut self, graphics: &Graphics) {
-        self.drawn = None;
-        self.redraw.invalidate();
-        graphics.gpu.device.destroy();
-    }
-
     /// Makes a crater under the cursor, or under the crosshair while the mouse is captured.
-    fn crater(&mut self, graphics: &Graphics, now: Instant) {
+    pub(super) fn crater(&mut self, graphics: &Graphics, now: Instant) {
         let picture = graphics.target.size();
         let centre = DVec2::new(f64::from(picture[0]), f64::from(picture[1])) * 0.5;
         let pixel = match self.pointer.cursor {
@@ -424,7 +304,7 @@ impl Viewer {
     }
 
     /// Captures the mouse to look around, or releases it.
-    fn capture(&mut self, on: bool) {
+    pub(super) fn capture(&mut self, on: bool) {
         if on == self.pointer.captured {
             return;
         }

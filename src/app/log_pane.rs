@@ -49,7 +49,7 @@ impl LogPane {
             let entries: Vec<Entry> = logbook::entries().into_iter().filter(|entry| self.wants(entry)).collect();
             self.bar(ui, &entries);
             ui.separator();
-            ScrollArea::both().auto_shrink(false).stick_to_bottom(true).show(ui, |ui| {
+            ScrollArea::vertical().auto_shrink(false).stick_to_bottom(true).show(ui, |ui| {
                 if entries.is_empty() {
                     ui.weak("No messages.");
                 }
@@ -112,7 +112,7 @@ fn row(ui: &mut Ui, entry: &Entry) {
     ui.horizontal_top(|ui| {
         ui.label(RichText::new(clock(entry.time)).monospace().weak());
         ui.label(RichText::new(word(entry.level)).monospace().strong().color(colour));
-        ui.add(Label::new(&entry.text).extend());
+        ui.add(Label::new(&entry.text).wrap());
     });
 }
 

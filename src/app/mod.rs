@@ -11,7 +11,8 @@
 //! | `window` | the event loop: what the window system sends, and when it is asked to come back |
 //! | `viewer` | the state of the viewer, loading, shader reload, lost devices |
 //! | `commands`, `input` | what the panel asks for; keys, mouse and dropped files |
-//! | `actions`, `keys` | the table of what keys do; which key does what |
+//! | `actions`, `acting` | the table of what keys do; doing it |
+//! | `keys`, `key_names` | which key does what; what keys are called |
 //! | `preferences`, `keeping`, `desktop` | what is kept between runs; taking it up and writing it; what the desktop asks for |
 //! | `orbit`, `journey`, `filming` | turning around a point; bookmarks and camera paths; a path as an animation |
 //! | `frame` | one frame: fly, run the panel, draw the scene if it changed, present |
@@ -27,6 +28,7 @@
 //! | `compiling` | pipelines, on a thread of their own, and what draws meanwhile |
 //! | `loading`, `screenshot`, `status`, `watch` | files: maps, pictures, state for automated tests, shaders |
 
+mod acting;
 mod actions;
 mod commands;
 mod compiling;
@@ -42,6 +44,7 @@ mod graphics;
 mod input;
 mod journey;
 mod keeping;
+mod key_names;
 mod keys;
 mod legend;
 mod loading;

@@ -54,6 +54,8 @@ pub(crate) struct Status<'a> {
     pub(crate) log: bool,
     /// Something of egui has the keyboard.
     pub(crate) typing: bool,
+    /// An action waits for its new key.
+    pub(crate) choosing_key: bool,
     /// The eye goes by itself.
     pub(crate) under_way: bool,
     /// Key frames of the camera path.
@@ -223,6 +225,7 @@ impl Viewer {
             zoom: self.view.zoom,
             log: self.view.log.open,
             typing: self.egui.egui_ctx().egui_wants_keyboard_input(),
+            choosing_key: self.view.rebinding.is_some(),
             under_way: self.journey.is_under_way(),
             key_frames: self.view.path.path.frames.len(),
             filming: self.film.is_some(),
@@ -345,6 +348,7 @@ mod tests {
                 zoom: 1.0,
                 log: false,
                 typing: false,
+                choosing_key: false,
                 under_way: false,
                 key_frames: 0,
                 filming: false,

@@ -21,10 +21,15 @@ pub(crate) fn show(ctx: &Context, free: Rect, keys: &KeyMap, open: &mut bool) {
         ("Drop a file".to_owned(), "open any elevation file"),
     ];
     let mut done = false;
-    let window =
-        Window::new("Welcome to Relief").id(Id::unique("welcome")).open(open).collapsible(false).resizable(false);
-    window.pivot(Align2::CENTER_CENTER).default_pos(free.center()).show(ctx, |ui| {
-        Grid::new("welcome").num_columns(2).spacing(vec2(16.0, 6.0)).show(ui, |ui| {
+    let window = Window::new("Welcome to Relief")
+        .id(Id::unique("welcome"))
+        .open(open)
+        .collapsible(false)
+        .resizable(false)
+        .frame(egui::Frame::window(&ctx.global_style()).inner_margin(14));
+    window.pivot(Align2::CENTER_CENTER).fixed_pos(free.center()).show(ctx, |ui| {
+        ui.add_space(4.0);
+        Grid::new("welcome").num_columns(2).spacing(vec2(20.0, 8.0)).show(ui, |ui| {
             for (input, does) in rows {
                 ui.strong(input);
                 ui.label(does);

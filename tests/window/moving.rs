@@ -34,7 +34,7 @@ fn orbit(window: &mut Window, start: Camera) {
     window.point(150.0, 150.0);
     for button in [1, 3] {
         let before = camera(&window.settled("rest", |_| true));
-        window.xdo(&format!("mousedown {button} mousemove_relative 40 -- 0 mouseup {button}"));
+        window.xdo(&format!("mousedown {button} mousemove_relative 40 0 mouseup {button}"));
         let after = camera(&window.settled("a turn", |status| camera(status).yaw != before.yaw));
         assert!((after.eye.distance(middle) - start.eye.distance(middle)).abs() < 1e-6, "{after:?}");
         assert!((ground(&after, [210.0, 150.0]) - middle).length() < 1e-3, "the middle stays in the middle");

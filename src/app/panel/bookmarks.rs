@@ -12,6 +12,8 @@ pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
         if reset {
             view.bookmarks.clear();
         }
+        ui.spacing_mut().item_spacing.x = 3.0;
+        ui.spacing_mut().button_padding.x = 6.0;
         ui.horizontal(|ui| {
             ui.add_sized([44.0, 18.0], egui::Label::new("Go to"));
             for digit in 1..=9_usize {

@@ -48,6 +48,7 @@ pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
 
 fn file(ui: &mut Ui, edited: &mut PathEditor, none: Option<&str>, ask: &mut impl FnMut(PathCommand)) {
     let tooltip = "The path's file, a TOML; `relief render --path` takes it, too.";
+    ui.weak("The path's file");
     text(ui, &mut edited.file, "Path file", "file of the path", tooltip);
     let unnamed = edited.file.trim().is_empty().then_some("no file is named");
     ui.horizontal_wrapped(|ui| {
@@ -73,6 +74,7 @@ fn animation(
 ) {
     let tooltip = "Where the path's pictures go: a name that ends in .png or .apng is one animated PNG, any other a new folder with \
                    one PNG each.";
+    ui.weak("The animation's file, or folder");
     text(ui, &mut edited.output, "Animation file", "file.png, or a folder", tooltip);
     let [width, height] = &mut edited.size;
     for (name, side) in [("Animation width", width), ("Animation height", height)] {
