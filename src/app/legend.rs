@@ -59,7 +59,7 @@ fn height_marks(scale: &LandScale) -> Vec<(f64, String)> {
     if breaks && (scale.share(scale.middle) - 0.5).abs() < 1e-9 && scale.middle == 0.0 {
         marks.push((0.5, "0".to_owned()));
     }
-    let step = round_interval((scale.high - scale.low) / 5.0);
+    let step = round_interval((scale.high - scale.low) / 10.0);
     let first = (scale.low / step).ceil();
     let round = (0..16).map(|index| (first + f64::from(index)) * step);
     marks.extend(round.filter(|at| *at > scale.low && *at < scale.high).map(|at| (scale.share(at), number(at))));

@@ -176,6 +176,26 @@ mod tests {
     }
 
     #[test]
+    fn a_geotiff_says_itself_where_it_lies() {
+        use tiff::encoder::{TiffEncoder, colortype};
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("placed.tif");
+        let mut encoder = TiffEncoder::new(fs::File::create(&path).unwrap()).unwrap();
+        let mut image = encoder.new_image::<colortype::RGB8>(2, 2).unwrap();
+        let tags = image.encoder();
+        tags.write_tag(Tag::ModelPixelScaleTag, &[10.0, 10.0, 0.0][..]).unwrap();
+        tags.write_tag(Tag::ModelTiepointTag, &[0.0, 0.0, 0.0, 500_000.0, 4_000_000.0, 0.0][..]).unwrap();
+        let keys: [u16; 16] = [1, 1, 0, 3, 1024, 0, 1, 1, 1025, 0, 1, 1, 3072, 0, 1, 32611];
+        tags.write_tag(Tag::GeoKeyDirectoryTag, &keys[..]).unwrap();
+        image.write_data(&[9; 12]).unwrap();
+        // A world file beside it says something else, and is not asked.
+        fs::write(path.with_extension("tfw"), "1\n0\n0\n-1\n0\n0\n").unwrap();
+        let placed = place(&path, [2, 2], &mut Vec::new()).unwrap();
+        assert_eq!((placed.epsg, placed.at(0.0, 0.0)), (Some(32611), [500_005.0, 3_999_995.0]), "the pixel's middle");
+        assert_eq!(read_tiff(&path, 64).unwrap().rgba, [9, 9, 9, 255].repeat(4));
+    }
+
+    #[test]
     fn a_tiff_is_read_with_its_opacity_and_a_broken_one_refused() {
         use tiff::encoder::{TiffEncoder, colortype};
         let folder = tempfile::tempdir().unwrap();
