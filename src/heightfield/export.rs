@@ -62,6 +62,8 @@ pub struct Written {
     pub companions: Vec<PathBuf>,
     /// How far a height can be from what it was, in its own unit; 0 where each is as it was.
     pub rounded_by: f64,
+    /// Its header says a cell's size that means nothing, because nothing is known of the map's; the sidecar says so.
+    pub no_lengths: bool,
 }
 
 impl Elevation {
@@ -140,6 +142,7 @@ pub fn write(
     if format == ExportFormat::Flt {
         companion(path.with_extension("hdr"), &esri_header(elevation, "\r\n", ESRI_NODATA, "LSBFIRST"))?;
     }
+    written.no_lengths = has_no_lengths(elevation, sidecar, format);
     let steps = Steps::of(elevation);
     let result = match format {
         ExportFormat::Png => {
@@ -244,6 +247,13 @@ impl Steps {
     }
 }
 
+/// Whether nothing says how long the map's steps are on the ground, and the format has to say it all the same.
+fn has_no_lengths(elevation: &Elevation, sidecar: Option<&Sidecar>, format: ExportFormat) -> bool {
+    let extent = sidecar.is_some_and(|sidecar| sidecar.extent_metres.is_some() || sidecar.metres_per_sample.is_some());
+    let headed = matches!(format, ExportFormat::Asc | ExportFormat::Flt);
+    headed && !extent && elevation.georeference.as_ref().is_none_or(|place| place.unit.is_none())
+}
+
 /// All that the file itself cannot say.
 fn sidecar_for(elevation: &Elevation, from: Option<&Sidecar>, format: ExportFormat) -> Sidecar {
     let place = elevation.georeference.as_ref();
@@ -257,6 +267,9 @@ fn sidecar_for(elevation: &Elevation, from: Option<&Sidecar>, format: ExportForm
     let known = elevation.metric || elevation.vertical_unit.is_some() || !own;
     let range = elevation.height_range().map(|height| height * metres);
     let range = Some(range).filter(|_| sixteen && known);
+    // ESRI's headers have to say a cell's size. Without this word it would be taken for metres, and the map would lose its
+    // proportion.
+    let no_lengths = has_no_lengths(elevation, from, format);
     let mut kept = from.cloned().unwrap_or_default();
     kept.of_part(&elevation.taken);
     Sidecar {
@@ -270,7 +283,8 @@ fn sidecar_for(elevation: &Elevation, from: Option<&Sidecar>, format: ExportForm
             .filter(|place| {
                 !tif && (place.epsg.is_none() || matches!(place.unit, Some(GroundUnit::Metres(m)) if m != 1.0))
             })
-            .and_then(|place| UnitText::of(place.unit?)),
+            .and_then(|place| UnitText::of(place.unit?))
+            .or(no_lengths.then_some(UnitText::NONE)),
         origin: place.filter(|_| !headed).map(|place| place.origin),
         step: place.filter(|place| !headed && !place.is_rotated()).map(|place| [place.column[0], place.row[1]]),
         pixel_is: place.filter(|place| !headed && place.pixel == PixelIs::Point).map(|place| place.pixel),
