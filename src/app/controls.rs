@@ -33,7 +33,7 @@ const TURN_PER_PIXEL: f64 = 0.0018;
 const LONGEST_STEP: Duration = Duration::from_millis(250);
 
 /// What the help page lists: keys, and what they do.
-pub(crate) const BINDINGS: [(&str, &str); 22] = [
+pub(crate) const BINDINGS: [(&str, &str); 25] = [
     ("W A S D", "fly forward, left, back, right"),
     ("E / Q", "fly up / down"),
     ("Shift / Alt", "four times as fast / a quarter as fast"),
@@ -50,11 +50,14 @@ pub(crate) const BINDINGS: [(&str, &str); 22] = [
     ("F3", "overlay: frame times, steps, ledger"),
     ("F11", "full screen"),
     ("F12", "screenshot: a PNG, and the scene beside it as TOML"),
-    ("Esc", "release the mouse; close this help; dismiss messages"),
+    ("Esc", "release the mouse; close this help; end opening a map; dismiss messages"),
+    ("Ctrl+O", "open maps"),
+    ("Ctrl+Tab, Ctrl+Shift+Tab", "the next, the previous of the open maps"),
+    ("Ctrl+S", "save the edited map: GeoTIFF, 16-bit PNG, raw and others"),
     ("Ctrl+Q", "quit"),
     ("Tab", "walk through the panel's controls"),
     ("Ctrl + / −", "larger or smaller panel"),
-    ("Drop a file", "open it as the terrain"),
+    ("Drop files", "open them; the first becomes the terrain"),
     ("Click the picture", "give the keys back to flying after typing in the panel"),
 ];
 
@@ -100,6 +103,10 @@ pub(crate) enum Shortcut {
     Overlay,
     FullScreen,
     Screenshot,
+    Open,
+    SaveMap,
+    NextMap,
+    PreviousMap,
     Quit,
     /// Destroys the GPU device, to try what a driver's reset would do. Debug builds only.
     LoseDevice,
@@ -119,6 +126,9 @@ impl Shortcut {
             return match key {
                 _ if is('z', KeyCode::KeyZ) && !shift => Some(Self::UndoCrater),
                 _ if is('q', KeyCode::KeyQ) && !shift => Some(Self::Quit),
+                _ if is('o', KeyCode::KeyO) && !shift => Some(Self::Open),
+                _ if is('s', KeyCode::KeyS) && !shift => Some(Self::SaveMap),
+                KeyCode::Tab => Some(if shift { Self::PreviousMap } else { Self::NextMap }),
                 KeyCode::Backspace if shift => Some(Self::ClearCraters),
                 KeyCode::F9 if shift && cfg!(debug_assertions) => Some(Self::LoseDevice),
                 KeyCode::F10 if shift && cfg!(debug_assertions) => Some(Self::LoseSurface),
@@ -142,6 +152,7 @@ impl Shortcut {
     /// Whether the key types nothing and edits nothing, so that it works while a field of the panel has the keyboard.
     pub(crate) fn works_while_typing(self) -> bool {
         matches!(self, Self::Help | Self::Panel | Self::Overlay | Self::FullScreen | Self::Screenshot | Self::Quit)
+            || matches!(self, Self::Open | Self::SaveMap | Self::NextMap | Self::PreviousMap)
     }
 }
 

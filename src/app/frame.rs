@@ -185,6 +185,7 @@ impl Viewer {
                 speed: &mut self.fly.speed,
                 facts: &self.facts,
                 tradeoff: &self.tradeoff,
+                files: &mut self.files,
                 commands,
             };
             panel::show(ui, &mut panel);
@@ -209,6 +210,7 @@ impl Viewer {
         if self.view.help {
             overlay::help(&ctx, self.free, &mut self.view.help);
         }
+        commands.extend(self.files_windows(&ctx, now).into_iter().map(Command::Files));
         boxes.extend(self.bottom_line(&ctx, drawable, now));
         let names = [drawable.march.technique, drawable.compare.technique];
         overlay::split(ui, &self.scene, names, self.pointer.splitting, &boxes);
@@ -218,9 +220,10 @@ impl Viewer {
     /// The line at the bottom of the picture, where there is something to say.
     fn bottom_line(&mut self, ctx: &egui::Context, drawable: &Scene, now: Instant) -> Option<egui::Rect> {
         self.says = None;
-        let (text, working) = if let Some(path) = self.loader.path() {
-            let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
-            (format!("Opening {name} …"), true)
+        let (text, working) = if let Some(text) = self.files.drops.hint() {
+            (text, false)
+        } else if let Some(progress) = self.loader.progress() {
+            (format!("Opening {} …", progress.name), true)
         } else if !self.prepared {
             ("Preparing the first picture …".to_owned(), true)
         } else if let Some(text) = self.compiling_in_words(drawable) {

@@ -9,6 +9,7 @@ use winit::keyboard::{Key, PhysicalKey};
 use winit::window::CursorGrabMode;
 
 use super::controls::{Direction, Shortcut, look};
+use super::files::FilesCommand;
 use super::graphics::Graphics;
 use super::settings::Command;
 use super::viewer::Viewer;
@@ -79,8 +80,9 @@ impl Viewer {
                 self.fly.scroll(notches);
                 self.show_hint(format!("Speed {:.3} map widths per second", self.fly.speed), now);
             }
-            WindowEvent::DroppedFile(path) => self.execute(graphics, Command::Open(path.clone())),
-            _ => {}
+            event => {
+                self.drag_event(event);
+            }
         }
     }
 
@@ -208,6 +210,8 @@ impl Viewer {
             Shortcut::Capture => self.capture(!self.pointer.captured),
             Shortcut::Escape if self.pointer.captured => self.capture(false),
             Shortcut::Escape if self.view.help => self.view.help = false,
+            Shortcut::Escape if self.files.asks() => {}
+            Shortcut::Escape if self.loader.is_busy() => self.cancel_opening(),
             Shortcut::Escape => {
                 self.toasts.dismiss_errors();
             }
@@ -219,6 +223,10 @@ impl Viewer {
             Shortcut::Panel => self.view.panel = !self.view.panel,
             Shortcut::Overlay => self.view.overlay = !self.view.overlay,
             Shortcut::FullScreen => self.execute(graphics, Command::FullScreen),
+            Shortcut::Open => self.files_command(FilesCommand::Choose),
+            Shortcut::SaveMap => self.files_command(FilesCommand::AskToSave),
+            Shortcut::NextMap => self.files_command(FilesCommand::Step(1)),
+            Shortcut::PreviousMap => self.files_command(FilesCommand::Step(-1)),
             Shortcut::Screenshot => self.execute(graphics, Command::Screenshot),
             Shortcut::Quit => self.quit = true,
             Shortcut::LoseDevice => {

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use super::files::FilesCommand;
 use crate::camera::NamedView;
 use crate::heightfield::HeightField;
 use crate::render::Ledger;
@@ -71,8 +72,8 @@ impl PathFields {
 /// What the panel and the keys ask of the viewer.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Command {
-    /// Open this height map.
-    Open(PathBuf),
+    /// Open, switch or save maps.
+    Files(FilesCommand),
     /// Move the eye to a named view.
     View(NamedView),
     /// Take the last crater back.

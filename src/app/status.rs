@@ -233,7 +233,8 @@ impl Viewer {
             || self.cones.is_busy()
             || self.compiler.is_busy()
             || self.tradeoff.progress().is_some();
-        let working = self.saving || self.wants_screenshot || self.reload_at.is_some() || self.loader.path().is_some();
+        let working = self.saving || self.wants_screenshot || self.reload_at.is_some() || self.loader.is_busy();
+        let working = working || self.files.is_busy();
         !(drawing || measuring || working)
     }
 }

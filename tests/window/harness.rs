@@ -112,6 +112,8 @@ impl Window {
         let prepared = prepare(&display);
         let log = fs::File::create(folder.path().join("log")).unwrap();
         let mut viewer = relief();
+        // What the viewer remembers between runs is the test's own, and there is no desktop to ask for a dialogue.
+        viewer.env("RELIEF_CONFIG_DIR", folder.path().join("config")).env("RELIEF_DIALOGUE", "own");
         viewer.env("DISPLAY", &display).envs(environment.iter().copied());
         viewer.arg("--status").arg(folder.path().join("status.json"));
         viewer.arg("--screenshots").arg(folder.path().join("shots"));

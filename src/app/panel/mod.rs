@@ -5,7 +5,9 @@ mod compare;
 mod craters;
 mod debug;
 mod diffuse;
+mod files;
 mod frame;
+pub(crate) mod import;
 mod ledger;
 mod lighting;
 mod march;
@@ -15,6 +17,7 @@ mod terrain;
 mod tradeoff;
 mod widgets;
 
+use super::files::Files;
 use super::settings::{Command, Facts, ViewSettings};
 use super::tradeoff::Tradeoff;
 use crate::scene::Scene;
@@ -34,6 +37,8 @@ pub(crate) struct Panel<'a> {
     pub(crate) facts: &'a Facts,
     /// What was measured of the techniques.
     pub(crate) tradeoff: &'a Tradeoff,
+    /// The open maps, and how they are read.
+    pub(crate) files: &'a mut Files,
     /// What the sections ask of the viewer.
     pub(crate) commands: &'a mut Vec<Command>,
 }
@@ -42,8 +47,10 @@ pub(crate) struct Panel<'a> {
 type Section = (&'static str, fn(&mut egui::Ui, &mut Panel<'_>));
 
 /// All sections from top to bottom.
-const SECTIONS: [Section; 13] = [
+const SECTIONS: [Section; 15] = [
+    ("Files", files::show),
     ("Terrain", terrain::show),
+    ("Import", import::show),
     ("Camera", camera::show),
     ("March", march::show),
     ("Compare", compare::show),
@@ -105,6 +112,7 @@ mod tests {
         ctx.enable_accesskit();
         let mut view = ViewSettings::default();
         let (facts, mut speed, mut commands) = (facts(&map), 0.3, Vec::new());
+        let mut open = Files::default();
         let mut update = None;
         // A click on the header opens the section, later passes let its animation finish.
         for pass in 0..8 {
@@ -136,6 +144,7 @@ mod tests {
                     speed: &mut speed,
                     facts: &facts,
                     tradeoff: &Tradeoff::default(),
+                    files: &mut open,
                     commands: &mut commands,
                 };
                 (section.1)(ui, &mut panel);
@@ -178,7 +187,7 @@ mod tests {
     /// What a technique does not use is greyed out, and only that.
     #[test]
     fn controls_without_effect_are_disabled() {
-        let march = SECTIONS[2];
+        let march = SECTIONS[4];
         assert_eq!(march.0, "March");
         let disabled_beside = |technique, other: Option<Technique>| {
             let mut scene = Scene::default();
@@ -231,7 +240,7 @@ mod tests {
     #[test]
     fn widget_roles_are_those_of_the_tree() {
         let mut scene = Scene::default();
-        let found = section_widgets(SECTIONS[5], &mut scene);
+        let found = section_widgets(SECTIONS[7], &mut scene);
         let toggle = found.iter().find(|widget| widget.label == "Enable lighting").expect("the toggle is there");
         assert_eq!((toggle.role.as_str(), toggle.toggled), ("CheckBox", Some(true)));
     }
