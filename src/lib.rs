@@ -15,6 +15,9 @@
 //! | [`app`] | the window: input, panel, overlays. Only here are winit and egui |
 //! | [`cli`] | the commands |
 //!
+//! To read: [a tour of five minutes](guide::tour), [what each format can carry](guide::formats),
+//! [how to add a technique](guide::technique).
+//!
 //! Imports run one way: `files`, `heightfield`, `scene`, `camera` ← `gpu` ← `render` ← `report`, `app` ← `cli`. The library renders
 //! without a window. `shaders/` mirrors [`render`]: one WGSL file per pass, and one per technique under `shaders/march/`.
 //!
@@ -45,6 +48,7 @@ pub mod camera;
 pub mod cli;
 pub mod files;
 pub mod gpu;
+pub mod guide;
 pub mod heightfield;
 pub mod render;
 pub mod report;

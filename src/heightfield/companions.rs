@@ -87,7 +87,7 @@ pub fn keep(map: &Path, stated: &Sidecar) -> Result<PathBuf, SidecarError> {
         Ok(text) => text.parse::<toml::Table>().unwrap_or_default(),
         Err(_) => toml::Table::new(),
     };
-    table.retain(|key, _| key == "recipe" || !Sidecar::KEYS.iter().any(|known| *known == key));
+    table.retain(|key, _| key == "recipe" || !Sidecar::KEYS.contains(&key));
     let text = stated.to_toml().map_err(failed)?;
     let failed = |reason: String| SidecarError::System { path: path.clone(), reason };
     let said: toml::Table = text.parse().map_err(|error: toml::de::Error| failed(error.to_string()))?;

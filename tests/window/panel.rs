@@ -191,7 +191,12 @@ const SECTIONS: [(&str, &[Row], &str, &str); 11] = [
 ];
 
 /// Widgets that are used outside the table, and where.
-const ELSEWHERE: [(&str, &str); 11] = [
+const ELSEWHERE: [(&str, &str); 16] = [
+    ("Files", "used by the test of files, as is all in it"),
+    ("Open files…", "pressed by the test of files"),
+    ("Save edited map…", "pressed by the test of files"),
+    ("Gallery", "opened by the test of files"),
+    ("Import", "used by the test of files, as is all in it"),
     ("Tradeoff", "opened by the test of comparing, and below"),
     ("Measure techniques", "pressed by the test of comparing"),
     ("Reset tradeoff", "pressed by the test of comparing"),

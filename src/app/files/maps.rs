@@ -220,8 +220,8 @@ mod tests {
 
     #[test]
     fn the_eye_stays_over_the_same_ground_when_the_proportion_changes() {
-        let mut scene = Scene::default();
-        scene.camera = Some(Camera { eye: DVec3::new(0.5, 0.2, 0.25), yaw: 1.0, pitch: 2.0, fov: 60.0 });
+        let camera = Camera { eye: DVec3::new(0.5, 0.2, 0.25), yaw: 1.0, pitch: 2.0, fov: 60.0 };
+        let mut scene = Scene { camera: Some(camera), ..Scene::default() };
         scene.craters.list = vec![Crater { x: 0.5, z: 0.25, radius: 0.1, depth: 0.2, rim: 0.1 }];
         let place = Place::of(&scene, DVec3::new(1.0, 0.1, 0.5));
         let mut same = Scene::default();

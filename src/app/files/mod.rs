@@ -186,7 +186,7 @@ impl Viewer {
                 let source = self.files.maps.current().map(|map| map.source.clone());
                 self.files.save.ask(source.as_ref(), &self.screenshots);
             }
-            FilesCommand::Save(path, replace) => self.save_map(path, replace),
+            FilesCommand::Save(path, replace) => self.save_map(&path, replace),
             FilesCommand::ForgetRecent => self.files.recent.forget(),
         }
     }
@@ -374,9 +374,9 @@ impl Viewer {
     }
 
     /// Writes the map with its craters, on another thread.
-    fn save_map(&mut self, path: PathBuf, replace: bool) {
+    fn save_map(&mut self, path: &Path, replace: bool) {
         let job = saving::Job {
-            path: absolute(&path),
+            path: absolute(path),
             replace,
             map: Arc::clone(&self.map),
             craters: self.scene.craters.list.clone(),
@@ -415,10 +415,9 @@ impl Viewer {
         }
         commands.extend(self.files.save.show(ctx, self.free));
         if let (Some(progress), Some(since)) = (self.loader.progress(), self.files.since) {
-            if now.saturating_duration_since(since) >= progress::PATIENCE {
-                if progress::show(ctx, self.free, &progress) {
-                    commands.push(FilesCommand::Cancel);
-                }
+            let late = now.saturating_duration_since(since) >= progress::PATIENCE;
+            if late && progress::show(ctx, self.free, &progress) {
+                commands.push(FilesCommand::Cancel);
             }
             self.redraw.wake_at(now + PROGRESS_PAUSE);
         }

@@ -6,8 +6,8 @@ use egui::{Button, Ui};
 
 use super::Panel;
 use super::widgets::{button, section};
-use crate::app::files::FilesCommand;
 use crate::app::files::maps::Source;
+use crate::app::files::{Files, FilesCommand};
 use crate::app::settings::Command;
 use crate::app::viewer::Viewer;
 
@@ -40,31 +40,36 @@ pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
                 }
             }
         }
-        ui.collapsing("Gallery", |ui| {
-            for source in Viewer::shipped() {
-                let tooltip = match &source {
-                    Source::Piece(piece) => format!("{} Made when it is first opened.", piece.describe()),
-                    _ => "The map that is inside the program.".to_owned(),
-                };
-                if button(ui, &source.name(), &tooltip) {
-                    ask(FilesCommand::OpenShipped(source));
-                }
+        ui.horizontal(|ui| menus(ui, files, &mut ask));
+    });
+}
+
+/// The gallery and the files opened last, as menus.
+fn menus(ui: &mut Ui, files: &Files, ask: &mut impl FnMut(FilesCommand)) {
+    ui.menu_button("Gallery", |ui| {
+        for source in Viewer::shipped() {
+            let tooltip = match &source {
+                Source::Piece(piece) => format!("{} Made when it is first opened.", piece.describe()),
+                _ => "The map that is inside the program.".to_owned(),
+            };
+            if button(ui, &source.name(), &tooltip) {
+                ask(FilesCommand::OpenShipped(source));
             }
-        });
-        if !files.recent.files().is_empty() {
-            ui.collapsing("Recent files", |ui| {
-                for path in files.recent.files() {
-                    let item = ui.add(Button::new(short(&path.display().to_string())).frame(false));
-                    if item.on_hover_text(format!("Opens {}.", path.display())).clicked() {
-                        ask(FilesCommand::Open(vec![path.clone()]));
-                    }
-                }
-                if button(ui, "Forget recent files", "Empties this list. The files stay.") {
-                    ask(FilesCommand::ForgetRecent);
-                }
-            });
         }
     });
+    if !files.recent.files().is_empty() {
+        ui.menu_button("Recent files", |ui| {
+            for path in files.recent.files() {
+                let item = ui.add(Button::new(short(&path.display().to_string())).frame(false));
+                if item.on_hover_text(format!("Opens {}.", path.display())).clicked() {
+                    ask(FilesCommand::Open(vec![path.clone()]));
+                }
+            }
+            if button(ui, "Forget recent files", "Empties this list. The files stay.") {
+                ask(FilesCommand::ForgetRecent);
+            }
+        });
+    }
 }
 
 /// The end of a long name: that is where paths differ.
