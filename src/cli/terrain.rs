@@ -67,7 +67,10 @@ impl Source {
     /// one is made to fit the adapter.
     pub(crate) fn load_for_gpu(&self, options: &ImportOptions) -> Result<(Arc<Gpu>, Loaded), Failure> {
         let (gpu, loaded) = self.load_to_fit(options)?;
-        Ok((gpu.map_or_else(Gpu::headless, Ok)?, loaded))
+        let gpu = gpu.map_or_else(Gpu::headless, Ok)?;
+        let (adapter, driver) = gpu.adapter_name();
+        log::debug!("drawn by {adapter} ({driver}), textures up to {} a side", gpu.capabilities.max_texture);
+        Ok((gpu, loaded))
     }
 
     /// Loads the map so that the adapter can hold it. The adapter is only asked for where it matters.
@@ -97,6 +100,19 @@ impl Source {
         for warning in &loaded.warnings {
             super::warn(warning);
         }
+        let (field, taken) = (&loaded.field, &loaded.taken);
+        log::debug!(
+            "{}: {}, {}, {}×{}{}, heights {:?}, extent in metres {:?}, place {:?}",
+            self.name(),
+            loaded.format.name(),
+            loaded.sample_type,
+            field.width(),
+            field.height(),
+            if taken.is_whole() { String::new() } else { format!(" of {taken:?}") },
+            field.range(),
+            field.extent_metres(),
+            loaded.georeference
+        );
         Ok(loaded)
     }
 

@@ -272,12 +272,18 @@ fn sidecar_for(elevation: &Elevation, from: Option<&Sidecar>, format: ExportForm
     let no_lengths = has_no_lengths(elevation, from, format);
     let mut kept = from.cloned().unwrap_or_default();
     kept.of_part(&elevation.taken);
+    // What the place says already need not be said again; what corrects it has to be.
+    let corrects =
+        kept.extent_of([elevation.width, elevation.height].map(|count| count.max(2) - 1)).is_some_and(|said| {
+            let close = |(said, own): (f64, f64)| (said / own - 1.0).abs() < 1e-4;
+            elevation.extent_metres().is_none_or(|own| !said.into_iter().zip(own).all(close))
+        });
     Sidecar {
-        extent_metres: kept.extent_metres.filter(|_| place.is_none_or(|place| place.unit.is_none())),
-        metres_per_sample: kept.metres_per_sample.filter(|_| place.is_none_or(|place| place.unit.is_none())),
+        extent_metres: kept.extent_metres.filter(|_| corrects),
+        metres_per_sample: kept.metres_per_sample.filter(|_| corrects),
         lowest_metre: range.map(|range| range[0]),
         highest_metre: range.map(|range| range[1]),
-        crs: place.and_then(|place| place.crs.clone()).or(kept.crs).filter(|_| !tif),
+        crs: place.and_then(|place| place.crs.clone()).or(kept.crs).filter(|_| !tif || place.is_none()),
         // Its number says it, but for units of other lengths.
         crs_unit: place
             .filter(|place| {

@@ -33,7 +33,7 @@ fn convert_writes_the_map_of_a_scene_with_its_craters() {
     bench.relief("convert plain.png --scene scene.toml -o plain-edited.png").expect(0, &[]);
     let height = |name: &str, x, z| load::load(&bench.path(name)).unwrap().field.sample(x, z);
     assert_ne!(height("plain.png", 20, 16), height("plain-edited.png", 20, 16));
-    bench.write("none.toml", "[camera]\nfov = 50.0\n");
+    bench.write("none.toml", "[march]\ntechnique = \"linear\"\n");
     bench.relief("convert --scene none.toml -o canyon.tif").expect(0, &["has no craters"]);
     let canyon = load::load(&bench.path("canyon.tif")).unwrap();
     assert_eq!((canyon.field.width(), canyon.field.range()), (512, [479.0, 2347.0]));
@@ -180,8 +180,8 @@ fn a_mistyped_command_is_answered_with_the_commands() {
     run.expect(3, &["relief render", "The commands are view, render, report"]);
     // With options that only the command knows, the arguments make no sense.
     bench.relief("genrate ridged --seed 3 -o out.png").expect(2, &["--seed", "relief generate", "The commands are"]);
-    bench.map("map", 8, 8);
-    let run = bench.relief("./map --no-such-option");
+    bench.map("map.png", 8, 8);
+    let run = bench.relief("map.png --no-such-option");
     assert!(!run.expect(2, &[]).stderr.contains("The commands"), "{}", run.stderr);
 }
 
@@ -194,7 +194,8 @@ fn verbose_is_an_option_of_every_command() {
     }
     let quiet = bench.relief("render map.png -o a.png --size 8x8");
     let verbose = bench.relief("render map.png -o a.png --size 8x8 -v");
-    assert!(quiet.stderr.is_empty() && verbose.stderr.contains("relief"), "{}", verbose.stderr);
+    assert!(quiet.stderr.is_empty() && verbose.stderr.contains("map.png: PNG, u16, 16×16"), "{}", verbose.stderr);
+    assert!(verbose.stderr.contains("drawn by"), "{}", verbose.stderr);
     assert!(!verbose.stderr.contains('\u{1b}'), "no colours in a pipe");
 }
 

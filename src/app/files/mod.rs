@@ -271,7 +271,13 @@ impl Viewer {
             return;
         };
         match companions::keep(&path, &self.files.card.stated()) {
-            Ok(sidecar) => self.toasts.info(&format!("Kept in {}", sidecar.display()), Instant::now()),
+            Ok(sidecar) => {
+                self.toasts.info(&format!("Kept in {}", sidecar.display()), Instant::now());
+                // From now on the file beside the map says it.
+                if let Some(map) = self.files.maps.current_mut() {
+                    (map.said, map.stated) = (ImportOptions::default(), None);
+                }
+            }
             Err(error) => self.toasts.error(&error.to_string()),
         }
     }
@@ -286,7 +292,7 @@ impl Viewer {
         files.maps.arrive(index, &opened.title);
         let extent = self.map.box_size(None);
         if let Some(map) = files.maps.current_mut() {
-            map.stated = opened.stated.clone();
+            (map.said, map.stated) = (opened.said.clone(), opened.stated.clone());
             if let Some(place) = map.place.take() {
                 place.restore(&mut self.scene, extent);
             }
