@@ -303,15 +303,15 @@ fn netcdf(side: u32, samples: &[u8]) -> Vec<u8> {
         bytes.resize(bytes.len().next_multiple_of(4), 0);
     };
     number(&mut bytes, 0);
-    [10, 2].map(|value| number(&mut bytes, value));
+    [10, 2].iter().for_each(|&value| number(&mut bytes, value));
     for dimension in ["y", "x"] {
         name(&mut bytes, dimension);
         number(&mut bytes, side);
     }
-    [0, 0, 11, 1].map(|value| number(&mut bytes, value));
+    [0, 0, 11, 1].iter().for_each(|&value| number(&mut bytes, value));
     name(&mut bytes, "z");
     // Two dimensions, no attributes, shorts, their length and where they begin.
-    [2, 0, 1, 0, 0, 3, samples.len() as u32].map(|value| number(&mut bytes, value));
+    [2, 0, 1, 0, 0, 3, samples.len() as u32].iter().for_each(|&value| number(&mut bytes, value));
     let begin = bytes.len() as u32 + 4;
     number(&mut bytes, begin);
     bytes.extend(samples);

@@ -38,7 +38,7 @@ fn convert_writes_the_map_of_a_scene_with_its_craters() {
     let canyon = load::load(&bench.path("canyon.tif")).unwrap();
     assert_eq!((canyon.field.width(), canyon.field.range()), (512, [479.0, 2347.0]));
     assert_eq!(canyon.field.extent_metres(), Some([31566.9, 31428.8]), "in the sidecar");
-    bench.relief("convert --scene scene.toml -o nan.tif").expect(2, &["nan.tif", "would replace the map"]);
+    bench.relief("convert --scene scene.toml -o nan.tif --force").expect(2, &["nan.tif", "would replace the map"]);
     bench.relief("convert -o a.tif").expect(2, &["<FILE>"]);
 }
 
