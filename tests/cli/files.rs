@@ -212,7 +212,7 @@ fn install_puts_binary_manual_and_completions_in_place() {
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     };
     make("install-files");
-    let file = |name: &str| fs::read_to_string(bench.path("usr").join(name)).unwrap_or_else(|_| panic!("no {name}"));
+    let file = |name: &str| fs::read_to_string(bench.path("usr").join(name)).unwrap();
     let page = file("share/man/man1/relief.1");
     assert!(page.contains(".TH RELIEF 1") && page.contains("\\fB\\-\\-technique\\fR"), "{page}");
     for command in ["view", "render", "report", "stress", "info", "convert", "generate", "completions"] {
