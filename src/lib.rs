@@ -17,6 +17,9 @@
 //! | [`app`] | the window: input, panel, overlays. Only here are winit and egui |
 //! | [`cli`] | the commands |
 //!
+//! To read: [a tour of five minutes](guide::tour), [what each format can carry](guide::formats),
+//! [how to add a technique](guide::technique).
+//!
 //! Imports run one way: `files`, `heightfield`, `scene`, `camera` ← `gpu` ← `render` ← `report`, `app` ← `cli`. The library renders
 //! without a window. `shaders/` mirrors [`render`]: one WGSL file per pass, and one per technique under `shaders/march/`.
 //!
@@ -49,6 +52,7 @@ pub mod camera_path;
 pub mod cli;
 pub mod files;
 pub mod gpu;
+pub mod guide;
 pub mod heightfield;
 pub mod logbook;
 pub mod render;

@@ -6,6 +6,8 @@ mod bench;
 
 #[path = "cli/adapters.rs"]
 mod adapters;
+#[path = "cli/files.rs"]
+mod files;
 #[path = "cli/maps.rs"]
 mod maps;
 #[path = "cli/others.rs"]

@@ -5,42 +5,13 @@
 //! `RELIEF_FUZZ_CASES=20000 cargo test --test formats_bad` runs longer.
 #![expect(clippy::unwrap_used, reason = "a test may fail loudly")]
 
-use std::alloc::{GlobalAlloc, Layout, System};
+#[path = "common/memory.rs"]
+mod memory;
+
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
 use relief::heightfield::import::{Encoding, ImportOptions, Listener};
 use relief::heightfield::load;
-
-/// Counts the bytes that are taken.
-struct Counting;
-
-static TAKEN: AtomicUsize = AtomicUsize::new(0);
-static PEAK: AtomicUsize = AtomicUsize::new(0);
-
-#[expect(unsafe_code, reason = "an allocator that counts; the system's own does the work")]
-// SAFETY: every call is handed to the system's allocator as it came.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        let taken = TAKEN.fetch_add(layout.size(), Relaxed) + layout.size();
-        PEAK.fetch_max(taken, Relaxed);
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
-        let taken = TAKEN.fetch_add(layout.size(), Relaxed) + layout.size();
-        PEAK.fetch_max(taken, Relaxed);
-        unsafe { System.alloc_zeroed(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        TAKEN.fetch_sub(layout.size(), Relaxed);
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
-
-#[global_allocator]
-static COUNTING: Counting = Counting;
 
 /// Most bytes of memory for a file of `length` bytes. What is packed best, by ZSTD and in tiles that are left out, stands
 /// for 32,768 to 65,536 times its length; the rest is for decoders and messages.
@@ -117,10 +88,7 @@ impl Case {
             encoding: self.name.ends_with("webp").then_some(Encoding::Terrarium),
             ..ImportOptions::default()
         };
-        let before = TAKEN.load(Relaxed);
-        PEAK.store(before, Relaxed);
-        let result = load::load_with(&self.path, &options, Listener::none());
-        let peak = PEAK.load(Relaxed).saturating_sub(before);
+        let (result, peak) = memory::peak_of(|| load::load_with(&self.path, &options, Listener::none()));
         let packed = [".tif", ".exr", ".jpg", ".webp"].iter().any(|ending| self.name.ends_with(ending));
         assert!(peak <= allowance(bytes.len(), packed), "{} {what}: {peak} bytes for {}", self.name, bytes.len());
         match result {

@@ -5,7 +5,9 @@
 //! `RELIEF_FUZZ_SEED` changes the seed.
 #![expect(clippy::unwrap_used, clippy::panic, reason = "a test may fail loudly")]
 
-use std::alloc::{GlobalAlloc, Layout, System};
+#[path = "common/memory.rs"]
+mod memory;
+
 use std::cell::Cell;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
@@ -16,35 +18,7 @@ use relief::heightfield::load::{self, LoadError};
 use relief::scene::Scene;
 use relief::scene_file;
 
-/// Counts the bytes that are taken.
-struct Counting;
-
-static TAKEN: AtomicUsize = AtomicUsize::new(0);
-static PEAK: AtomicUsize = AtomicUsize::new(0);
-
-#[expect(unsafe_code, reason = "an allocator that counts; the system's own does the work")]
-// SAFETY: every call is handed to the system's allocator as it came.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        let taken = TAKEN.fetch_add(layout.size(), Relaxed) + layout.size();
-        PEAK.fetch_max(taken, Relaxed);
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
-        let taken = TAKEN.fetch_add(layout.size(), Relaxed) + layout.size();
-        PEAK.fetch_max(taken, Relaxed);
-        unsafe { System.alloc_zeroed(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        TAKEN.fetch_sub(layout.size(), Relaxed);
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
-
-#[global_allocator]
-static COUNTING: Counting = Counting;
+use memory::peak_of;
 
 /// Deflate's best compression.
 const BEST_COMPRESSION: u64 = 1032;
@@ -111,14 +85,6 @@ static NEAREST: AtomicUsize = AtomicUsize::new(0);
 fn assert_worth(peak: usize, worth: usize, what: &str) {
     assert!(peak <= worth, "{what} took {peak} bytes of memory and is worth {worth}");
     NEAREST.fetch_max(100 * peak / worth, Relaxed);
-}
-
-/// Runs `work` and returns how many bytes it took at its peak. One at a time: the counters are the program's.
-fn peak_of<T>(work: impl FnOnce() -> T) -> (T, usize) {
-    let before = TAKEN.load(Relaxed);
-    PEAK.store(before, Relaxed);
-    let result = work();
-    (result, PEAK.load(Relaxed).saturating_sub(before))
 }
 
 /// xorshift64*.

@@ -17,6 +17,8 @@ mod compiling;
 mod cones;
 #[path = "window/craters.rs"]
 mod craters;
+#[path = "window/files.rs"]
+mod files;
 #[path = "window/flying.rs"]
 mod flying;
 #[path = "window/idle.rs"]

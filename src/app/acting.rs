@@ -5,6 +5,7 @@ use std::time::Instant;
 use winit::keyboard::KeyCode;
 
 use super::actions::Action;
+use super::files::FilesCommand;
 use super::graphics::Graphics;
 use super::keys::Press;
 use super::preferences::ZOOMS;
@@ -54,8 +55,10 @@ impl Viewer {
             // It stays where it is.
         } else if self.film.is_some() {
             self.cancel_export(now);
-        } else if let Some(path) = self.loader.cancel() {
-            self.toasts.info(&format!("{} is not opened; the old terrain stays.", path.display()), now);
+        } else if self.files.asks() {
+            // The window of files closes itself.
+        } else if self.loader.is_busy() {
+            self.cancel_opening();
         } else if self.tradeoff.progress().is_some() {
             self.forget_tradeoff();
         } else if self.give_up_cones(graphics) {
@@ -99,6 +102,10 @@ impl Viewer {
             Action::ZoomIn => self.zoom_to(zoomed(self.view.zoom, 0.1), now),
             Action::ZoomOut => self.zoom_to(zoomed(self.view.zoom, -0.1), now),
             Action::ZoomReset => self.zoom_to(1.0, now),
+            Action::Open => self.files_command(FilesCommand::Choose),
+            Action::SaveMap => self.files_command(FilesCommand::AskToSave),
+            Action::NextMap => self.files_command(FilesCommand::Step(1)),
+            Action::PreviousMap => self.files_command(FilesCommand::Step(-1)),
             Action::FullScreen => self.execute(graphics, Command::FullScreen),
             Action::Screenshot => self.execute(graphics, Command::Screenshot),
             Action::Quit => self.quit = true,

@@ -31,6 +31,10 @@ pub(crate) enum Action {
     ZoomIn,
     ZoomOut,
     ZoomReset,
+    Open,
+    SaveMap,
+    NextMap,
+    PreviousMap,
     FullScreen,
     Screenshot,
     Quit,
@@ -60,7 +64,7 @@ const fn always(action: Action, name: &'static str, default: &'static str, does:
 }
 
 /// All actions.
-pub(crate) const ACTIONS: [Entry; 31] = [
+pub(crate) const ACTIONS: [Entry; 35] = [
     row(Action::Forward, "forward", "W", "fly forward"),
     row(Action::Back, "back", "S", "fly back"),
     row(Action::Left, "left", "A", "fly left"),
@@ -94,6 +98,10 @@ pub(crate) const ACTIONS: [Entry; 31] = [
     always(Action::ZoomIn, "zoom-in", "Ctrl+=", "larger panel and text"),
     always(Action::ZoomOut, "zoom-out", "Ctrl+-", "smaller panel and text"),
     always(Action::ZoomReset, "zoom-reset", "Ctrl+0", "panel and text in their own size"),
+    always(Action::Open, "open", "Ctrl+O", "open maps"),
+    always(Action::SaveMap, "save-map", "Ctrl+S", "save the edited map: GeoTIFF, 16-bit PNG, raw and others"),
+    always(Action::NextMap, "next-map", "Ctrl+Tab", "the next of the open maps, where you left it"),
+    always(Action::PreviousMap, "previous-map", "Ctrl+Shift+Tab", "the one before it"),
     always(Action::FullScreen, "full-screen", "F11", "full screen"),
     always(Action::Screenshot, "screenshot", "F12", "screenshot: a PNG, and its scene as TOML"),
     always(Action::Quit, "quit", "Ctrl+Q", "quit"),
@@ -110,7 +118,7 @@ pub(crate) const FIXED: [(&str, &str); 13] = [
     ("Ctrl+1 – 9", "set a bookmark"),
     ("Esc", "release the mouse; cancel; close"),
     ("Drag the split line", "share of two techniques"),
-    ("Drop a file", "open it as the terrain"),
+    ("Drop files", "open them; the first becomes the terrain"),
     ("Click the picture", "keyboard back from the panel"),
     ("Tab, in the panel", "walk through its controls"),
     ("Gamepad", "fly and look (feature gamepad)"),

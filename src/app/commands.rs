@@ -1,6 +1,5 @@
 //! What the panel and the keys ask for.
 
-use std::path::PathBuf;
 use std::time::Instant;
 
 use winit::window::Fullscreen;
@@ -18,10 +17,10 @@ impl Viewer {
     pub(super) fn execute(&mut self, graphics: &Graphics, command: Command) {
         self.redraw.invalidate();
         match command {
-            Command::Open(path) => self.open(path),
             Command::GoToBookmark(digit) => self.go_to_bookmark(digit, Instant::now()),
             Command::SetBookmark(digit) => self.set_bookmark(digit, Instant::now()),
             Command::Path(command) => self.path_command(graphics, command, Instant::now()),
+            Command::Files(command) => self.files_command(command),
             Command::View(view) => self.scene.camera = Some(view.camera(&self.map, self.extent())),
             Command::UndoCrater => {
                 self.scene.craters.list.pop();
@@ -39,18 +38,6 @@ impl Viewer {
                 let full = self.window.fullscreen().is_none().then_some(Fullscreen::Borderless(None));
                 self.window.set_fullscreen(full);
             }
-        }
-    }
-
-    /// Starts to open a height map.
-    pub(super) fn open(&mut self, path: PathBuf) {
-        let proxy = self.proxy.clone();
-        let done = move || {
-            // Fails only when the event loop is gone, and with it whoever could be told.
-            let _ = proxy.send_event(UserEvent::Loaded);
-        };
-        if let Err(error) = self.loader.start(path, self.facts.max_texture, done) {
-            self.toasts.error(&format!("The old terrain stays: no thread to load on: {error}. Close some programs."));
         }
     }
 

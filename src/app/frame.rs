@@ -203,6 +203,7 @@ impl Viewer {
                 speed: &mut self.fly.speed,
                 facts: &self.facts,
                 tradeoff: &self.tradeoff,
+                files: &mut self.files,
                 commands,
             };
             panel::show(ui, &mut panel);
@@ -236,6 +237,7 @@ impl Viewer {
             overlay::help(&ctx, self.free, &self.view.keys, &mut self.view.help);
         }
         welcome::show(&ctx, self.free, &self.view.keys, &mut self.view.welcome);
+        commands.extend(self.files_windows(&ctx, now).into_iter().map(Command::Files));
         boxes.extend(self.bottom_line(&ctx, drawable, now));
         let names = [drawable.march.technique, drawable.compare.technique];
         overlay::split(ui, &self.scene, names, self.pointer.splitting, &boxes);
@@ -245,9 +247,10 @@ impl Viewer {
     /// The line at the bottom of the picture, where there is something to say.
     fn bottom_line(&mut self, ctx: &egui::Context, drawable: &Scene, now: Instant) -> Option<egui::Rect> {
         self.says = None;
-        let (text, working) = if let Some(path) = self.loader.path() {
-            let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
-            (format!("Opening {name} … (Esc cancels)"), true)
+        let (text, working) = if let Some(text) = self.files.drops.hint() {
+            (text, false)
+        } else if let Some(progress) = self.loader.progress() {
+            (format!("Opening {} … (Esc cancels)", progress.name), true)
         } else if let Some(film) = &self.film {
             (film.in_words(), true)
         } else if !self.prepared {

@@ -89,8 +89,9 @@ impl Viewer {
                 self.fly.scroll(notches);
                 self.show_hint(format!("Speed {:.3} map widths per second", self.fly.speed), now);
             }
-            WindowEvent::DroppedFile(path) => self.execute(graphics, Command::Open(path.clone())),
-            _ => {}
+            event => {
+                self.drag_event(event);
+            }
         }
     }
 

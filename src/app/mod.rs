@@ -26,6 +26,7 @@
 //! | `errors` | what the viewer does with those of techniques |
 //! | `reference`, `cones` | the f64 reference of the error view, and cone maps, on threads of their own |
 //! | `compiling` | pipelines, on a thread of their own, and what draws meanwhile |
+//! | `files` | maps in and out: several at once, drops, dialogues, recent files, the import card, saving |
 //! | `loading`, `screenshot`, `status`, `watch` | files: maps, pictures, state for automated tests, shaders |
 
 mod acting;
@@ -36,6 +37,7 @@ mod cones;
 mod controls;
 mod desktop;
 mod errors;
+mod files;
 mod filming;
 mod frame;
 #[cfg(any(test, feature = "gamepad"))]
@@ -77,7 +79,8 @@ use std::sync::Arc;
 use winit::event_loop::EventLoop;
 
 use crate::gpu::GpuError;
-use crate::heightfield::HeightField;
+use crate::heightfield::import::ImportOptions;
+use crate::heightfield::{HeightField, Provenance};
 use crate::render::RenderError;
 use crate::scene::Scene;
 
@@ -90,6 +93,12 @@ pub struct ViewerOptions {
     pub title: String,
     /// What loading it had to say; shown as messages.
     pub warnings: Vec<String>,
+    /// Where the map came from and how it was read, for the import card and for saving it.
+    pub provenance: Option<Provenance>,
+    /// More maps, which are opened when they are gone to (Ctrl+Tab).
+    pub more: Vec<PathBuf>,
+    /// How those, and the first when it is gone back to, are opened.
+    pub import: ImportOptions,
     /// What to draw. `scene.terrain.file` names the file that `map` came from, so that a screenshot's scene finds it.
     pub scene: Scene,
     /// Size of the window's inside in physical pixels; `None` is 1280×800 points.
@@ -109,6 +118,9 @@ impl ViewerOptions {
             map,
             title: title.into(),
             warnings: Vec::new(),
+            provenance: None,
+            more: Vec::new(),
+            import: ImportOptions::default(),
             scene: Scene::default(),
             size: None,
             status: None,

@@ -5,10 +5,10 @@ use std::collections::BTreeMap;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use etcetera::BaseStrategy;
 use serde::{Deserialize, Serialize};
 
 use super::controls::{DEFAULT_SPEED, SPEED_RANGE};
+use super::files::folders::{self, VARIABLE};
 use crate::camera::Camera;
 use crate::files;
 use crate::scene::Scene;
@@ -16,9 +16,6 @@ use crate::scene_file;
 
 /// The file's version; a newer one is not read.
 pub(crate) const VERSION: u32 = 1;
-
-/// Names the folder of the file in place of the platform's.
-pub(crate) const FOLDER_VARIABLE: &str = "RELIEF_CONFIG_DIR";
 
 /// Maps whose bookmarks are kept, the last used first.
 const MOST_MAPS: usize = 100;
@@ -224,15 +221,12 @@ impl Store {
     /// The settings of the last run, where to keep them, and what has to be told about them. With `reset` the file is put
     /// aside first.
     pub(crate) fn open(reset: bool) -> (Self, Preferences, Vec<String>) {
-        let named = std::env::var_os(FOLDER_VARIABLE).filter(|folder| !folder.is_empty()).map(PathBuf::from);
-        let ours = || etcetera::choose_base_strategy().ok().map(|base| base.config_dir().join("relief"));
-        Self::at(named.or_else(ours).map(|folder| folder.join("settings.toml")), reset)
+        Self::at(folders::config().map(|folder| folder.join("settings.toml")), reset)
     }
 
     fn at(path: Option<PathBuf>, reset: bool) -> (Self, Preferences, Vec<String>) {
         let Some(path) = path else {
-            let told =
-                format!("Settings are not kept: the system names no folder for them. Set {FOLDER_VARIABLE} to one.");
+            let told = format!("Settings are not kept: the system names no folder for them. Set {VARIABLE} to one.");
             return (Self { path: None, written: Preferences::default() }, Preferences::default(), vec![told]);
         };
         let (preferences, told) = match read(&path) {
@@ -263,7 +257,7 @@ impl Store {
         write(&path, preferences).map_err(|error| {
             self.path = None;
             format!(
-                "The settings cannot be kept in {}: {error}. Make room there, or set {FOLDER_VARIABLE} to another folder.",
+                "The settings cannot be kept in {}: {error}. Make room there, or set {VARIABLE} to another folder.",
                 path.display()
             )
         })
@@ -390,7 +384,7 @@ mod tests {
 
         std::fs::write(folder.path().join("file"), "").unwrap();
         let (mut store, _, _) = Store::at(Some(folder.path().join("file/settings.toml")), false);
-        assert!(store.write(&some()).is_err_and(|told| told.contains(FOLDER_VARIABLE)));
+        assert!(store.write(&some()).is_err_and(|told| told.contains(VARIABLE)));
         assert!(store.write(&Preferences { keys: BTreeMap::new(), ..some() }).is_ok(), "told once");
     }
 }

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use super::actions::Action;
+use super::files::FilesCommand;
 use super::keys::KeyMap;
 use super::log_pane::LogPane;
 use super::preferences::{Bookmarks, Mode, Motion, Theme};
@@ -184,8 +185,8 @@ impl PathFields {
 /// What the panel and the keys ask of the viewer.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Command {
-    /// Open this height map.
-    Open(PathBuf),
+    /// Open, switch or save maps.
+    Files(FilesCommand),
     /// Move the eye to a named view.
     View(NamedView),
     /// Take the last crater back.

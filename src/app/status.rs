@@ -265,11 +265,8 @@ impl Viewer {
             || self.cones.is_busy()
             || self.compiler.is_busy()
             || self.tradeoff.progress().is_some();
-        let working = self.film.is_some()
-            || self.saving
-            || self.wants_screenshot
-            || self.reload_at.is_some()
-            || self.loader.path().is_some();
+        let working = self.film.is_some() || self.saving || self.wants_screenshot || self.reload_at.is_some();
+        let working = working || self.loader.is_busy() || self.files.is_busy();
         !(drawing || measuring || working)
     }
 }

@@ -12,6 +12,8 @@ use winit::window::Window;
 use super::compiling::Compiler;
 use super::cones::ConeFinder;
 use super::controls::{Fly, ground_below};
+use super::files::Files;
+use super::files::maps::Place;
 use super::filming::Film;
 use super::frame::FrameError;
 use super::graphics::Graphics;
@@ -87,6 +89,7 @@ pub(crate) struct Viewer {
     pub(super) pointer: Pointer,
     pub(super) toasts: Toasts,
     pub(super) loader: Loader,
+    pub(super) files: Files,
     pub(super) redraw: Redraw,
     pub(super) meter: Meter,
     pub(super) reference: ReferenceWorker,
@@ -165,6 +168,7 @@ impl Viewer {
             // Fails only when the event loop is gone, and with it whoever could be told.
             let _ = watch_proxy.send_event(UserEvent::ShadersChanged);
         });
+        let files = Files::new(options.provenance, &options.title, options.more, &options.import);
         let mut viewer = Self {
             window,
             egui,
@@ -182,6 +186,7 @@ impl Viewer {
             pointer: Pointer::default(),
             toasts: Toasts::default(),
             loader: Loader::default(),
+            files,
             redraw: Redraw::default(),
             meter: Meter::default(),
             reference: ReferenceWorker::default(),
@@ -328,9 +333,13 @@ impl Viewer {
             self.redraw.invalidate();
             match result {
                 Ok(opened) => self.adopt(graphics, opened, now)?,
-                Err(message) => self.toasts.error(&message),
+                Err(failure) => {
+                    self.toasts.error(&failure.message);
+                    self.did_not_open(&failure);
+                }
             }
         }
+        self.open_dropped();
         if self.reload_at.is_some_and(|at| at <= now) {
             self.reload_at = None;
             self.reload_shaders(graphics, now)?;
@@ -380,11 +389,13 @@ impl Viewer {
 
     /// Replaces the terrain. What belonged to the old one goes with it; when the new one cannot be used, all stays.
     fn adopt(&mut self, graphics: &mut Graphics, opened: Opened, now: Instant) -> Result<(), FrameError> {
+        let left = Place::of(&self.scene, self.map.box_size(None));
         match graphics.renderer.set_prepared_terrain(opened.terrain) {
             Ok(()) => {}
             Err(RenderError::DeviceLost(lost)) => return Err(FrameError::Lost(lost)),
             Err(error) => {
                 self.toasts.error(&format!("The old terrain stays: {error}"));
+                self.files.gave_up(&opened.about.source);
                 return Ok(());
             }
         }
@@ -392,7 +403,7 @@ impl Viewer {
         self.tradeoff.forget();
         self.view.reading.forget();
         self.meter.forget_times();
-        self.scene.terrain.file = Some(opened.path);
+        self.scene.terrain.file.clone_from(&opened.about.path);
         self.scene.terrain.height_scale = None;
         // The old map's heights and place mean nothing here.
         (self.scene.land.low, self.scene.land.high, self.scene.land.contour_interval) = (None, None, None);
@@ -402,6 +413,7 @@ impl Viewer {
         (self.scene.lighting.clock.latitude, self.scene.lighting.clock.longitude) = (None, None);
         self.scene.lighting.clock.stand_on(opened.bounds);
         self.scene.camera = Some(NamedView::Start.camera(&self.map, self.extent()));
+        self.arrive(&opened.about, left);
         (self.drawn, self.shown, self.last_good) = (None, None, None);
         self.journey.stop();
         self.film = None;
@@ -409,7 +421,7 @@ impl Viewer {
         // Its picture may need other pipelines, as that of a first map with holes does: said before they are waited for.
         let size = graphics.target.size();
         self.prepared = graphics.renderer.missing_pipelines(&self.scene, size, false).is_none();
-        self.facts = Facts::new(&self.map, opened.title, &graphics.gpu);
+        self.facts = Facts::new(&self.map, opened.about.title, &graphics.gpu);
         self.view.paths = PathFields::of(&self.scene);
         self.window.set_title(&format!("Relief: {}", self.facts.title));
         self.toasts.info(&format!("Opened {}", self.facts.title), now);
@@ -447,6 +459,7 @@ impl Viewer {
             },
             // The map itself is fetched by `poll`.
             UserEvent::Loaded => {}
+            UserEvent::Files(event) => self.files_event(event, now),
             // So are the distances.
             UserEvent::Reference => {}
             // And the cones.

@@ -13,6 +13,7 @@ use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoopProxy};
 use winit::window::{Window, WindowId};
 
 use super::desktop::Wishes;
+use super::files::FilesEvent;
 use super::frame::FrameError;
 use super::graphics::Graphics;
 use super::keeping::{self, Keeper};
@@ -31,6 +32,8 @@ pub(crate) enum UserEvent {
     Accessibility(accesskit_winit::Event),
     /// A height map was opened, or could not be.
     Loaded,
+    /// A dialogue ended, or a map was saved.
+    Files(FilesEvent),
     /// Distances of the reference were found.
     Reference,
     /// Cones were found, or the search for them has ended otherwise.

@@ -11,7 +11,7 @@ use super::land_args::LandArgs;
 use super::parse;
 use crate::camera::NamedView;
 use crate::heightfield::Holes;
-use crate::heightfield::import::{Encoding, Endian, ImportOptions, NoData, RawType, VerticalUnit};
+use crate::heightfield::import::{Encoding, Endian, ImportOptions, NoData, RawType, TooLarge, VerticalUnit};
 use crate::scene::light::{Shadows, SkyModel};
 use crate::scene::{CraterMode, DebugView, HeightFilter, Technique};
 
@@ -32,6 +32,7 @@ Examples:
   relief convert dem.tif -o dem.png                         a 16-bit PNG, and what it cannot say in dem.toml
   relief convert big.tif -o part.asc --window 2000,1500,512,512
   relief convert 12/2148/1605.png -o tile.tif --encoding terrarium
+  relief convert --scene relief-0001.toml -o edited.tif     the scene's map with its craters
 
 OUT's ending says the format: .png, .tif, .asc, .flt, .r16, .r32. What the format itself cannot say stands in a sidecar, OUT.toml.";
 
@@ -77,6 +78,9 @@ pub(crate) struct Cli {
     pub(crate) command: Option<Command>,
     #[command(flatten)]
     pub(crate) view: ViewArgs,
+    /// Say more on stderr: what is opened and how, adapters, shaders. RUST_LOG chooses in detail
+    #[arg(short, long, global = true)]
+    pub(crate) verbose: bool,
 }
 
 #[derive(Debug, Subcommand)]
@@ -106,12 +110,22 @@ pub(crate) enum Command {
         /// The shell
         shell: Shell,
     },
+    /// Print the manual page
+    #[command(hide = true)]
+    Man {
+        /// Write it and one for each command into this folder instead
+        #[arg(long = "into", value_name = "DIR")]
+        folder: Option<PathBuf>,
+    },
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct ViewArgs {
     #[command(flatten)]
     pub(crate) scene: SceneArgs,
+    /// More elevation files; Ctrl+Tab goes to the next
+    #[arg(value_name = "MORE", value_parser = parse::input_file())]
+    pub(crate) more: Vec<PathBuf>,
     /// Size of the window in pixels [default: 1280x800 points]
     #[arg(long, value_name = "WxH", value_parser = parse::size)]
     pub(crate) size: Option<[u32; 2]>,
@@ -219,9 +233,15 @@ pub(crate) struct InfoArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct ConvertArgs {
-    /// The elevation file
-    #[arg(value_parser = parse::input_file())]
-    pub(crate) file: PathBuf,
+    /// The elevation file [default with --scene: the scene's, else the Grand Canyon]
+    #[arg(value_parser = parse::input_file(), required_unless_present = "scene")]
+    pub(crate) file: Option<PathBuf>,
+    /// A scene file (TOML) whose craters are dug into the map first
+    #[arg(long, value_name = "SCENE.toml", value_parser = parse::input_file())]
+    pub(crate) scene: Option<PathBuf>,
+    /// Replace OUT where it exists
+    #[arg(long)]
+    pub(crate) force: bool,
     /// What to write; the ending says the format: .png, .tif, .asc, .flt, .r16, .r32
     #[arg(short, long, value_name = "OUT")]
     pub(crate) output: PathBuf,
@@ -269,6 +289,9 @@ pub(crate) struct OpenArgs {
     /// Only a part: its first column and row from the north-west, its columns and rows
     #[arg(long, value_name = "X,Z,W,H", value_parser = parse::window)]
     window: Option<[u32; 4]>,
+    /// What becomes of a map with more samples a side than the adapter's textures [default: reduce]
+    #[arg(long, value_name = "HOW", value_enum)]
+    too_large: Option<TooLarge>,
 }
 
 impl OpenArgs {
@@ -287,6 +310,7 @@ impl OpenArgs {
             holes: self.holes,
             reduce: self.reduce,
             window: self.window,
+            too_large: self.too_large,
             ..ImportOptions::default()
         }
     }

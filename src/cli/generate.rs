@@ -5,6 +5,7 @@ use std::sync::atomic::AtomicBool;
 
 use clap::Args;
 
+use super::convert::spare_file;
 use super::failure::{Exit, Failure};
 use super::output::Output;
 use super::parse;
@@ -43,9 +44,12 @@ pub(crate) struct GenerateArgs {
     /// Make opposite borders equal; diamond-square then needs a side such as 1025, a few cells halved and 1
     #[arg(long)]
     tileable: bool,
-    /// The height map, a 16-bit greyscale PNG
+    /// The height map, a 16-bit greyscale PNG; relief convert makes other formats of it
     #[arg(short, long, value_name = "OUT.png")]
     output: PathBuf,
+    /// Replace a map that exists, and its recipe
+    #[arg(long)]
+    force: bool,
 
     /// Height of an octave, or of a level of halving, over the one before, 0 to 1 [default: 0.5]
     #[arg(long, value_name = "R", allow_negative_numbers = true, help_heading = "Fractal")]
@@ -170,16 +174,83 @@ impl From<MakeError> for Failure {
     }
 }
 
+impl GenerateArgs {
+    /// Options that say something, and change nothing: each with the reason.
+    fn without_effect(&self, recipe: &Recipe) -> Vec<String> {
+        let kind = |kind: Kind| recipe.kind == kind;
+        let noise = !kind(Kind::DiamondSquare);
+        let rain = recipe.hydraulic.drops > 0.0;
+        let slides = recipe.thermal.iterations > 0;
+        let of = |name: &str| format!("it belongs to {name}, and this is {}", recipe.kind.name());
+        [
+            ("octaves", self.octaves.is_some(), noise, "diamond-square halves down to the samples".to_owned()),
+            ("lacunarity", self.lacunarity.is_some(), noise, "diamond-square always halves".to_owned()),
+            ("scale", self.scale.is_some(), noise, "diamond-square begins with the whole map".to_owned()),
+            ("schedule", self.schedule.is_some(), kind(Kind::DiamondSquare), of("diamond-square")),
+            ("smoothing", self.smoothing.is_some(), kind(Kind::DiamondSquare), of("diamond-square")),
+            ("ridge-offset", self.ridge_offset.is_some(), kind(Kind::Ridged), of("ridged")),
+            ("ridge-gain", self.ridge_gain.is_some(), kind(Kind::Ridged), of("ridged")),
+            ("warp", self.warp.is_some(), kind(Kind::Warped), of("warped")),
+            (
+                "hydraulic-strength",
+                self.hydraulic_strength.is_some(),
+                rain,
+                "it does not rain: say --hydraulic".to_owned(),
+            ),
+            ("hydraulic-radius", self.hydraulic_radius.is_some(), rain, "it does not rain: say --hydraulic".to_owned()),
+            (
+                "hydraulic-lifetime",
+                self.hydraulic_lifetime.is_some(),
+                rain,
+                "it does not rain: say --hydraulic".to_owned(),
+            ),
+            ("thermal-strength", self.thermal_strength.is_some(), slides, "nothing slides: say --thermal".to_owned()),
+            ("talus", self.talus.is_some(), slides, "nothing slides: say --thermal".to_owned()),
+        ]
+        .into_iter()
+        .filter(|(_, given, used, _)| *given && !used)
+        .map(|(option, _, _, why)| format!("--{option} changes nothing: {why}"))
+        .collect()
+    }
+
+    /// The file, which has to be one that a PNG may go to.
+    fn check_ending(&self) -> Result<(), Failure> {
+        let ending = self.output.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+        match ending.as_deref() {
+            Some("png") => Ok(()),
+            other => Err(Failure::usage(format!("{} does not end in .png", self.output.display()))
+                .line(match other {
+                    Some("toml") => "The recipe goes into the file of the same name that ends in .toml.",
+                    _ => "A generated map is a 16-bit PNG, whatever its name.",
+                })
+                .line("Name it with .png; relief convert map.png -o map.tif makes other formats of it.")),
+        }
+    }
+}
+
+/// A map that exists is replaced by the one that its recipe makes again, or by those who say --force.
+fn spare(file: &Path, beside: &Path, args: &GenerateArgs, recipe: &Recipe) -> Result<(), Failure> {
+    let same = recipe_file::read(beside).is_ok_and(|made| made == *recipe);
+    spare_file(file, &args.output, args.force || same)?;
+    // A recipe without its map would be lost, too.
+    if !args.force && !same && recipe_file::read(beside).is_ok() {
+        return Err(Failure::new(Exit::Failed, format!("cannot write {}", args.output.display()))
+            .line(format!("{} holds another recipe, which would be replaced.", beside.display()))
+            .line("Nothing was written. Say --force to replace it, or give another name."));
+    }
+    Ok(())
+}
+
 pub(crate) fn run(args: &GenerateArgs) -> Result<(), Failure> {
+    args.check_ending()?;
     let recipe = args.compose()?;
     let output = Output::prepare(&args.output)?;
     let file = output.regular_file()?;
     let beside = Sidecar::path_of(&args.output);
-    if output.same_file(&beside) {
-        return Err(Failure::usage(format!("the map would be written to {}", args.output.display()))
-            .line("the recipe goes into the file of the same name that ends in .toml, so they would be one file")
-            .line("give the map a name that ends in .png"));
+    for remark in args.without_effect(&recipe) {
+        super::warn(&remark);
     }
+    spare(file, &beside, args, &recipe)?;
     let sidecar = Output::prepare(&beside)?;
     let text = recipe_file::sidecar_text(&beside, existing(&beside)?.as_deref(), &recipe)?;
     let field = {
@@ -217,7 +288,7 @@ mod tests {
     #[test]
     fn every_option_reaches_the_recipe() {
         let recipe = compose(
-            "relief generate warped --size 33x17 --seed 5 --tileable --roughness 0.4 --octaves 6 --lacunarity 2.5 --scale 4 \
+            "relief generate warped --force --size 33x17 --seed 5 --tileable --roughness 0.4 --octaves 6 --lacunarity 2.5 --scale 4 \
              --schedule 1,0.5 --smoothing 2 --ridge-offset 1.1 --ridge-gain 3 --warp 0.7 --hydraulic 0.25 \
              --hydraulic-strength 0.2 --hydraulic-radius 2 --hydraulic-lifetime 50 --thermal 9 --thermal-strength 0.5 \
              --talus 0.6 -o a.png",

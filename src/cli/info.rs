@@ -7,6 +7,7 @@ use serde::Serialize;
 use super::args::InfoArgs;
 use super::failure::{Exit, Failure};
 use super::print;
+use super::rounded::{degrees, metres, number, place};
 use super::terrain::Source;
 use crate::heightfield::Loaded;
 use crate::heightfield::import::{PixelIs, VerticalUnit};
@@ -86,31 +87,49 @@ impl<'a> Info<'a> {
 
     fn text(&self, file: &Path, title: Option<&str>) -> String {
         let unknown = || String::from("unknown");
-        let metres = self.vertical_unit.is_some() || self.extent_metres.is_some();
+        let has_metres = self.vertical_unit.is_some() || self.extent_metres.is_some();
         let compression = self.compression.map_or_else(String::new, |packed| format!(", {packed}"));
         let mut rows = vec![
             ("file", file.display().to_string()),
             ("title", title.map_or_else(unknown, str::to_owned)),
             ("format", format!("{}{compression}", self.format)),
             ("samples", format!("{} × {}, {}", self.width, self.height, self.sample_type)),
-            ("heights", format!("{} to {}{}", self.min, self.max, if metres { " m" } else { "" })),
+            ("heights", format!("{} to {}{}", number(self.min), number(self.max), if has_metres { " m" } else { "" })),
             (
                 "extent",
-                self.extent_metres.map_or_else(unknown, |[x, z]| format!("{x:.0} m west–east, {z:.0} m north–south")),
+                self.extent_metres
+                    .map_or_else(unknown, |[x, z]| format!("{} west–east, {} north–south", metres(x), metres(z))),
             ),
-            ("per sample", self.metres_per_sample.map_or_else(unknown, |metres| format!("{metres:.3} m"))),
+            ("per sample", self.metres_per_sample.map_or_else(unknown, metres)),
             ("crs", self.crs.map_or_else(unknown, str::to_owned)),
-            ("nodata", format!("{:.3} %", self.nodata_fraction * 100.0)),
+            ("nodata", percent(self.nodata_fraction)),
         ];
         if self.file_size != [self.width, self.height] {
             rows.push(("of", format!("{} × {} samples in the file", self.file_size[0], self.file_size[1])));
         }
         if let Some([west, south, east, north]) = self.bounds {
-            rows.push(("x, y", format!("{west} to {east}, {south} to {north}")));
+            let [west, east, south, north] = [(west, east), (east, west), (south, north), (north, south)].map(place);
+            let unit = if has_degrees(self.crs, self.bounds, self.geographic_bounds) { "°" } else { "" };
+            rows.push(("x, y", format!("{west}{unit} to {east}{unit}, {south}{unit} to {north}{unit}")));
         }
         if let Some([west, south, east, north]) = self.geographic_bounds {
-            rows.push(("degrees", format!("{west:.5} to {east:.5} east, {south:.5} to {north:.5} north")));
+            let [west, east, south, north] = [west, east, south, north].map(degrees);
+            rows.push(("degrees", format!("{west} to {east} east, {south} to {north} north")));
         }
         rows.iter().map(|(name, value)| format!("{name:<11}{value}\n")).collect()
     }
+}
+
+/// A share as percent; what is little but not nothing does not become 0.
+fn percent(share: f64) -> String {
+    match share * 100.0 {
+        0.0 => "none".to_owned(),
+        little if little < 0.001 => "less than 0.001 %".to_owned(),
+        percent => format!("{percent:.3} %"),
+    }
+}
+
+/// Whether the coordinates are degrees themselves.
+fn has_degrees(crs: Option<&str>, bounds: Option<[f64; 4]>, geographic: Option<[f64; 4]>) -> bool {
+    crs.is_some() && bounds.is_some() && bounds == geographic
 }

@@ -7,11 +7,13 @@ mod film;
 mod generate;
 mod info;
 mod land_args;
+mod man;
 mod output;
 mod parse;
 mod progress;
 mod render;
 mod report;
+mod rounded;
 mod stress;
 mod terrain;
 mod view;
@@ -29,14 +31,15 @@ use self::failure::{Exit, Failure};
 ///
 /// Exit codes: 0 done, 1 failed, 2 usage, 3 bad input, 4 no usable GPU adapter.
 pub fn run() -> ExitCode {
-    // Drivers and wgpu log what they also return; what matters of it becomes a message of ours.
-    let terminal = env_logger::Builder::from_env(env_logger::Env::new().default_filter_or("relief=warn")).build();
-    let level = terminal.filter();
-    crate::logbook::install(Box::new(terminal), level);
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
         Err(error) => return explain_usage(&error),
     };
+    // Drivers and wgpu log what they also return; what matters of it becomes a message of ours.
+    let level = if cli.verbose { "relief=debug,wgpu=warn" } else { "relief=warn" };
+    let terminal = env_logger::Builder::from_env(env_logger::Env::new().default_filter_or(level)).build();
+    let level = terminal.filter();
+    crate::logbook::install(Box::new(terminal), level);
     match execute(&cli) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
@@ -61,6 +64,7 @@ fn execute(cli: &Cli) -> Result<(), Failure> {
             clap_complete::generate(*shell, &mut Cli::command(), "relief", &mut script);
             print(&String::from_utf8_lossy(&script))
         }
+        Some(Command::Man { folder }) => man::run(folder.as_deref()),
     }
 }
 
@@ -72,10 +76,15 @@ fn explain_usage(error: &clap::Error) -> ExitCode {
         return ExitCode::SUCCESS;
     }
     let message = error.render();
-    if std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none() {
+    if std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty()) {
         eprint!("relief: {}", message.ansi());
     } else {
         eprint!("relief: {message}");
+    }
+    // The first word may be a mistyped command, whose options then make no sense.
+    let word = std::env::args().nth(1).filter(|word| !std::path::Path::new(word).exists());
+    if let Some(hint) = word.and_then(|word| terrain::meant_command(&word)) {
+        eprintln!("\n{hint}");
     }
     ExitCode::from(Exit::Usage as u8)
 }

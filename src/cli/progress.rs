@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
@@ -16,8 +16,11 @@ const TICK: Duration = Duration::from_millis(100);
 /// The share that is the whole of the work.
 const WHOLE: u64 = 1000;
 
+/// Time between two lines where stderr is no terminal.
+const PAUSE: Duration = Duration::from_secs(5);
+
 /// A spinner, or once a share of the work is known a bar with a percentage. It appears when it is not dropped within
-/// half a second; none where stderr is no terminal.
+/// half a second. Where stderr is no terminal, a line every few seconds.
 pub(crate) struct Progress {
     shown: Arc<Shown>,
     waiter: Option<(Sender<()>, JoinHandle<()>)>,
@@ -41,13 +44,13 @@ impl Progress {
             what: Mutex::new(what.into()),
             time_left: AtomicBool::new(false),
         });
-        if !std::io::stderr().is_terminal() {
-            return Self { shown, waiter: None };
-        }
         let to_show = Arc::clone(&shown);
         let (sender, end) = channel::<()>();
+        let in_lines = !std::io::stderr().is_terminal();
         let waiter = std::thread::spawn(move || {
-            if end.recv_timeout(PATIENCE) == Err(RecvTimeoutError::Timeout) {
+            if in_lines {
+                tell(&to_show, &end, PAUSE, |line| eprintln!("relief: {line}"));
+            } else if end.recv_timeout(PATIENCE) == Err(RecvTimeoutError::Timeout) {
                 show(&to_show, &end);
             }
         });
@@ -68,6 +71,19 @@ impl Progress {
     /// Tells the share that is done, 0..1. Several threads may, in any order: what is done stays done.
     pub(crate) fn set(&self, share: f32) {
         self.shown.done.fetch_max((share * WHOLE as f32) as u64, Ordering::Relaxed);
+    }
+}
+
+/// Tells a line after every pause until `end` hears that the work is done.
+fn tell(shown: &Shown, end: &Receiver<()>, pause: Duration, mut line: impl FnMut(&str)) {
+    let start = Instant::now();
+    while end.recv_timeout(pause) == Err(RecvTimeoutError::Timeout) {
+        let what = shown.what.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        let share = match shown.done.load(Ordering::Relaxed) {
+            0 => String::new(),
+            done => format!(" {} %,", done * 100 / WHOLE),
+        };
+        line(&format!("{what} …{share} {} s", start.elapsed().as_secs()));
     }
 }
 
@@ -102,5 +118,27 @@ impl Drop for Progress {
             // A spinner that panicked has nothing left to clear.
             let _ = waiter.join();
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_log_gets_a_line_now_and_then() {
+        let shown =
+            Shown { done: AtomicU64::new(420), what: Mutex::new("raining".into()), time_left: AtomicBool::new(false) };
+        let (sender, end) = channel::<()>();
+        let mut sender = Some(sender);
+        let mut lines = Vec::new();
+        tell(&shown, &end, Duration::from_millis(1), |line| {
+            lines.push(line.to_owned());
+            if lines.len() == 2 {
+                sender = None;
+            }
+        });
+        assert_eq!(lines.len(), 2);
+        assert!(lines[0].starts_with("raining … 42 %, 0 s"), "{lines:?}");
     }
 }

@@ -13,14 +13,9 @@ use super::progress::Progress;
 use crate::camera::{Camera, NamedView};
 use crate::gpu::Gpu;
 use crate::heightfield::import::{ImportOptions, Listener};
-use crate::heightfield::{HeightField, LoadError, Loaded, load};
+use crate::heightfield::{HeightField, LoadError, Loaded, gallery, generate::recipe_file, load};
 use crate::scene::Scene;
 use crate::scene_file;
-
-/// The height map that opens when none is named, so that the binary needs no files beside it.
-const GRAND_CANYON: &[u8] = include_bytes!("../../assets/grand-canyon.png");
-/// Its extent, heights, source and licence.
-const GRAND_CANYON_SIDECAR: &str = include_str!("../../assets/grand-canyon.toml");
 
 /// Samples on a side that every adapter this program meets can hold in a texture.
 const SMALL: u32 = 8192;
@@ -62,7 +57,7 @@ impl Source {
     pub(crate) fn name(&self) -> String {
         match self {
             Self::File { path, .. } => path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned(),
-            Self::BuiltIn => String::from("Grand Canyon"),
+            Self::BuiltIn => gallery::CANYON_NAME.to_owned(),
         }
     }
 
@@ -72,7 +67,10 @@ impl Source {
     /// one is made to fit the adapter.
     pub(crate) fn load_for_gpu(&self, options: &ImportOptions) -> Result<(Arc<Gpu>, Loaded), Failure> {
         let (gpu, loaded) = self.load_to_fit(options)?;
-        Ok((gpu.map_or_else(Gpu::headless, Ok)?, loaded))
+        let gpu = gpu.map_or_else(Gpu::headless, Ok)?;
+        let (adapter, driver) = gpu.adapter_name();
+        log::debug!("drawn by {adapter} ({driver}), textures up to {} a side", gpu.capabilities.max_texture);
+        Ok((gpu, loaded))
     }
 
     /// Loads the map so that the adapter can hold it. The adapter is only asked for where it matters.
@@ -102,6 +100,19 @@ impl Source {
         for warning in &loaded.warnings {
             super::warn(warning);
         }
+        let (field, taken) = (&loaded.field, &loaded.taken);
+        log::debug!(
+            "{}: {}, {}, {}×{}{}, heights {:?}, extent in metres {:?}, place {:?}",
+            self.name(),
+            loaded.format.name(),
+            loaded.sample_type,
+            field.width(),
+            field.height(),
+            if taken.is_whole() { String::new() } else { format!(" of {taken:?}") },
+            field.range(),
+            field.extent_metres(),
+            loaded.georeference
+        );
         Ok(loaded)
     }
 
@@ -109,7 +120,7 @@ impl Source {
         let progress = Progress::start("reading the height map");
         match self {
             Self::File { path, .. } => load::load_with(path, options, listener(&|share| progress.set(share))),
-            Self::BuiltIn => load::load_bytes(Path::new("grand-canyon.png"), GRAND_CANYON, Some(GRAND_CANYON_SIDECAR)),
+            Self::BuiltIn => gallery::grand_canyon(),
         }
     }
 }
@@ -132,21 +143,38 @@ pub(crate) fn cannot_open(path: &Path, scene: Option<&Path>, error: LoadError) -
         ));
     }
     if !missing && path.extension().is_some_and(|extension| extension == "toml") {
+        if recipe_file::read(path).is_ok() {
+            let map = path.with_extension("png");
+            let made =
+                if map.exists() { format!("It made {}: open that, or make ", map.display()) } else { "Make ".into() };
+            return Failure::new(Exit::BadInput, format!("cannot open {}", path.display()))
+                .line("It is no map but a recipe for one.")
+                .line(format!("{made}another with relief generate --recipe {} -o map.png.", path.display()));
+        }
         return failure.line(format!("Or is it a scene? Then write --scene {}.", path.display()));
     }
-    let word = path.to_str().filter(|word| missing && word.chars().all(char::is_alphanumeric));
-    let Some(word) = word else { return failure };
-    let cli = Cli::command();
-    let similarity = |name: &str| strsim::jaro_winkler(word, name);
-    let nearest = cli
-        .get_subcommands()
-        .map(clap::Command::get_name)
-        .max_by(|a, b| similarity(a).total_cmp(&similarity(b)))
-        .filter(|name| similarity(name) > 0.8);
-    match nearest {
-        Some(name) => failure.line(format!("Or was the command `relief {name}` meant?")),
+    match path.to_str().filter(|_| missing).and_then(meant_command) {
+        Some(hint) => failure.line(hint),
         None => failure,
     }
+}
+
+/// What to say about a word that may be a mistyped command: which one it may be, and which there are.
+pub(crate) fn meant_command(word: &str) -> Option<String> {
+    if word.is_empty() || !word.chars().all(char::is_alphanumeric) {
+        return None;
+    }
+    let cli = Cli::command();
+    let names: Vec<&str> =
+        cli.get_subcommands().filter(|command| !command.is_hide_set()).map(clap::Command::get_name).collect();
+    if names.contains(&word) {
+        return None;
+    }
+    let similarity = |name: &str| strsim::jaro_winkler(word, name);
+    let nearest = names.iter().max_by(|a, b| similarity(a).total_cmp(&similarity(b)));
+    let nearest = nearest.filter(|name| similarity(name) > 0.8);
+    let which = nearest.map_or_else(String::new, |name| format!("Or was the command `relief {name}` meant? "));
+    Some(format!("{which}The commands are {}.", names.join(", ")))
 }
 
 /// The scene of the defaults, the scene file and the options. The camera follows once the map is known:
@@ -332,6 +360,7 @@ mod tests {
         let source = |word: &str| Source::File { path: word.into(), scene: None };
         let answer = |word: &str| source(word).load(&ImportOptions::default()).unwrap_err().to_string();
         assert!(answer("rendr").contains("relief render"), "{}", answer("rendr"));
+        assert!(answer("xyzzy").contains("The commands are view, render, report"), "{}", answer("xyzzy"));
         assert!(!answer("missing.png").contains("the command"));
     }
 

@@ -9,6 +9,7 @@ use super::output::Output;
 use super::render;
 use super::terrain::{self, Source};
 use crate::app::{self, AppError, ViewerOptions};
+use crate::heightfield::Provenance;
 use crate::scene_file;
 
 /// Size of the picture that stands in for a window, pixels.
@@ -25,7 +26,14 @@ pub(crate) fn run(args: &ViewArgs) -> Result<(), Failure> {
     terrain::place_camera(&args.scene, &mut scene, &map.field)?;
     // The window repeats on stderr what it warns of.
     let remarks = scene_file::remarks(&scene, map.field.box_size(scene.terrain.height_scale));
+    let path = match &source {
+        Source::File { path, .. } => Some(std::path::absolute(path).unwrap_or_else(|_| path.clone())),
+        Source::BuiltIn => None,
+    };
     let options = ViewerOptions {
+        provenance: Some(Provenance::of(&map, path)),
+        more: args.more.clone(),
+        import: args.scene.open.options(),
         title: map.title.unwrap_or_else(|| source.name()),
         warnings: map.warnings.into_iter().chain(remarks).collect(),
         map: Arc::new(map.field),
@@ -46,6 +54,12 @@ pub(crate) fn run(args: &ViewArgs) -> Result<(), Failure> {
 
 /// Draws what the window would open with.
 fn without_display(args: &ViewArgs) -> Result<(), Failure> {
+    if let [first, ..] = args.more.as_slice() {
+        super::warn(&format!(
+            "without a display only the first map is drawn, and {} and what follows are not",
+            first.display()
+        ));
+    }
     let output = Output::prepare(&args.output)?;
     let mut scene = terrain::compose(&args.scene)?;
     let (gpu, map) = Source::chosen(&args.scene, &scene).load_for_gpu(&args.scene.open.options())?;

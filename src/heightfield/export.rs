@@ -62,6 +62,8 @@ pub struct Written {
     pub companions: Vec<PathBuf>,
     /// How far a height can be from what it was, in its own unit; 0 where each is as it was.
     pub rounded_by: f64,
+    /// Its header says a cell's size that means nothing, because nothing is known of the map's; the sidecar says so.
+    pub no_lengths: bool,
 }
 
 impl Elevation {
@@ -140,6 +142,7 @@ pub fn write(
     if format == ExportFormat::Flt {
         companion(path.with_extension("hdr"), &esri_header(elevation, "\r\n", ESRI_NODATA, "LSBFIRST"))?;
     }
+    written.no_lengths = has_no_lengths(elevation, sidecar, format);
     let steps = Steps::of(elevation);
     let result = match format {
         ExportFormat::Png => {
@@ -244,6 +247,13 @@ impl Steps {
     }
 }
 
+/// Whether nothing says how long the map's steps are on the ground, and the format has to say it all the same.
+fn has_no_lengths(elevation: &Elevation, sidecar: Option<&Sidecar>, format: ExportFormat) -> bool {
+    let extent = sidecar.is_some_and(|sidecar| sidecar.extent_metres.is_some() || sidecar.metres_per_sample.is_some());
+    let headed = matches!(format, ExportFormat::Asc | ExportFormat::Flt);
+    headed && !extent && elevation.georeference.as_ref().is_none_or(|place| place.unit.is_none())
+}
+
 /// All that the file itself cannot say.
 fn sidecar_for(elevation: &Elevation, from: Option<&Sidecar>, format: ExportFormat) -> Sidecar {
     let place = elevation.georeference.as_ref();
@@ -257,20 +267,30 @@ fn sidecar_for(elevation: &Elevation, from: Option<&Sidecar>, format: ExportForm
     let known = elevation.metric || elevation.vertical_unit.is_some() || !own;
     let range = elevation.height_range().map(|height| height * metres);
     let range = Some(range).filter(|_| sixteen && known);
+    // ESRI's headers have to say a cell's size. Without this word it would be taken for metres, and the map would lose its
+    // proportion.
+    let no_lengths = has_no_lengths(elevation, from, format);
     let mut kept = from.cloned().unwrap_or_default();
     kept.of_part(&elevation.taken);
+    // What the place says already need not be said again; what corrects it has to be.
+    let corrects =
+        kept.extent_of([elevation.width, elevation.height].map(|count| count.max(2) - 1)).is_some_and(|said| {
+            let close = |(said, own): (f64, f64)| (said / own - 1.0).abs() < 1e-4;
+            elevation.extent_metres().is_none_or(|own| !said.into_iter().zip(own).all(close))
+        });
     Sidecar {
-        extent_metres: kept.extent_metres.filter(|_| place.is_none_or(|place| place.unit.is_none())),
-        metres_per_sample: kept.metres_per_sample.filter(|_| place.is_none_or(|place| place.unit.is_none())),
+        extent_metres: kept.extent_metres.filter(|_| corrects),
+        metres_per_sample: kept.metres_per_sample.filter(|_| corrects),
         lowest_metre: range.map(|range| range[0]),
         highest_metre: range.map(|range| range[1]),
-        crs: place.and_then(|place| place.crs.clone()).or(kept.crs).filter(|_| !tif),
+        crs: place.and_then(|place| place.crs.clone()).or(kept.crs).filter(|_| !tif || place.is_none()),
         // Its number says it, but for units of other lengths.
         crs_unit: place
             .filter(|place| {
                 !tif && (place.epsg.is_none() || matches!(place.unit, Some(GroundUnit::Metres(m)) if m != 1.0))
             })
-            .and_then(|place| UnitText::of(place.unit?)),
+            .and_then(|place| UnitText::of(place.unit?))
+            .or(no_lengths.then_some(UnitText::NONE)),
         origin: place.filter(|_| !headed).map(|place| place.origin),
         step: place.filter(|place| !headed && !place.is_rotated()).map(|place| [place.column[0], place.row[1]]),
         pixel_is: place.filter(|place| !headed && place.pixel == PixelIs::Point).map(|place| place.pixel),

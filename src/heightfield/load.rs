@@ -47,15 +47,14 @@ pub enum LoadError {
         path: PathBuf,
     },
     /// Some other format.
-    #[error(
-        "cannot open {path}\n  it is no elevation file that opens here: it looks like {looks_like}\n  \
-         convert it to GeoTIFF or a 16-bit PNG, or say --raw-size and --raw-type if it holds nothing but samples"
-    )]
+    #[error("cannot open {path}\n  it is no elevation file that opens here: it looks like {looks_like}\n  {advice}")]
     Unrecognised {
         /// What was to be opened.
         path: PathBuf,
         /// What its first bytes say it is.
         looks_like: &'static str,
+        /// What to do.
+        advice: &'static str,
     },
     /// The file ends before its samples do.
     #[error(
@@ -173,6 +172,9 @@ pub struct Loaded {
     pub title: Option<String>,
     /// The sidecar, if there is one that can be used. Its extent is that of the part that was taken.
     pub sidecar: Option<Sidecar>,
+    /// What would have to stand beside the file for it to open like this without any option: the sidecar as it was read,
+    /// and the options.
+    pub stated: Sidecar,
     /// The file's format.
     pub format: Format,
     /// How its samples were packed, where the format has a choice.
@@ -205,6 +207,28 @@ pub fn load(path: &Path) -> Result<Loaded, LoadError> {
 pub fn load_with(path: &Path, options: &ImportOptions, listener: Listener<'_>) -> Result<Loaded, LoadError> {
     let mut warnings = Vec::new();
     let sidecar = Sidecar::read_for(path, &mut warnings);
+    load_beside(path, sidecar, options, warnings, listener)
+}
+
+/// Like [`load_with`], as if `sidecar` stood beside the file instead of what does.
+pub fn load_as(
+    path: &Path,
+    sidecar: Sidecar,
+    options: &ImportOptions,
+    listener: Listener<'_>,
+) -> Result<Loaded, LoadError> {
+    let (mut sidecar, mut warnings) = (sidecar, Vec::new());
+    sidecar.drop_what_cannot_be(&Sidecar::path_of(path), &mut warnings);
+    load_beside(path, Some(sidecar), options, warnings, listener)
+}
+
+fn load_beside(
+    path: &Path,
+    sidecar: Option<Sidecar>,
+    options: &ImportOptions,
+    warnings: Vec<String>,
+    listener: Listener<'_>,
+) -> Result<Loaded, LoadError> {
     let elevation = decode_bytes(path, open(path)?, true, options, sidecar.as_ref(), listener)?;
     let loaded = interpret(elevation, sidecar, options, path, warnings)?;
     (listener.progress)(1.0);
@@ -259,22 +283,23 @@ fn decode_bytes<'a>(
     path: &'a Path,
     (inner, bytes): (Box<dyn ReadSeek + Send + 'a>, u64),
     on_disk: bool,
-    options: &ImportOptions,
+    said: &ImportOptions,
     sidecar: Option<&Sidecar>,
     listener: Listener<'a>,
 ) -> Result<Elevation, LoadError> {
     let mut options = match sidecar {
-        Some(sidecar) => options.clone().or(&sidecar.import),
-        None => options.clone(),
+        Some(sidecar) => said.clone().or(&sidecar.import),
+        None => said.clone(),
     };
     options.needs_full_range = sidecar.is_some_and(|sidecar| sidecar.range().is_some());
     let mut source = Source::new(inner, bytes, path, on_disk, listener).map_err(|source| unreadable(path, source))?;
     if source.head.is_empty() {
         return Err(LoadError::Empty { path: path.into() });
     }
-    let format = Format::of(&source.head, path, &options)
-        .map_err(|looks_like| LoadError::Unrecognised { path: path.into(), looks_like })?;
-    let decoded = import::decode(format, &mut source, &options);
+    let format = Format::of(&source.head, path, &options).map_err(|import::Stranger(looks_like, advice)| {
+        LoadError::Unrecognised { path: path.into(), looks_like, advice }
+    })?;
+    let decoded = import::decode(format, &mut source, &options, said);
     // Whatever it ended with: reading was refused from then on.
     if listener.is_cancelled() {
         return Err(LoadError::Cancelled { path: path.into() });
@@ -308,7 +333,9 @@ fn interpret(
     mut warnings: Vec<String>,
 ) -> Result<Loaded, LoadError> {
     warnings.extend(elevation.warnings.iter().map(|warning| format!("{}: {warning}", path.display())));
-    let policy = options.holes.or(sidecar.as_ref().and_then(|sidecar| sidecar.import.holes)).unwrap_or_default();
+    let mut stated = sidecar.clone().unwrap_or_default();
+    stated.import = ImportOptions { limit: None, refuse_larger: false, ..options.clone() }.or(&stated.import);
+    let policy = stated.import.holes.unwrap_or_default();
     // What is known besides the samples, which the map takes.
     let samples = std::mem::replace(&mut elevation.samples, Samples::U8(Vec::new()));
     let facts = elevation.clone();
@@ -323,20 +350,21 @@ fn interpret(
         None => field,
     };
     // The sidecar's heights are metres, whatever the file's are.
-    let stated = sidecar.as_ref().is_some_and(|sidecar| sidecar.range().is_some());
-    let field =
-        field.with_georeference(facts.georeference.clone()).with_metres(stated || facts.vertical_unit.is_some());
+    let has_range = sidecar.as_ref().is_some_and(|sidecar| sidecar.range().is_some());
+    let metres = has_range || facts.vertical_unit.is_some();
+    let field = field.with_georeference(facts.georeference.clone()).with_metres(metres);
     Ok(Loaded {
         field,
         warnings,
         sample_type: facts.sample_type,
         title: sidecar.as_ref().and_then(|sidecar| sidecar.title.clone()),
         sidecar,
+        stated,
         format: facts.format,
         nodata_fraction: facts.hole_fraction(),
         compression: facts.compression,
         georeference: facts.georeference,
-        vertical_unit: stated.then_some(VerticalUnit::Metre).or(facts.vertical_unit),
+        vertical_unit: has_range.then_some(VerticalUnit::Metre).or(facts.vertical_unit),
         taken: facts.taken,
     })
 }

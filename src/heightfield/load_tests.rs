@@ -349,3 +349,16 @@ fn progress_grows_to_one() {
     load_with(&path, &ImportOptions::default(), listener).unwrap();
     assert!(last.get() == 1.0 && calls.get() > 2, "{} after {}", last.get(), calls.get());
 }
+
+/// The page on formats shows every key of a sidecar, and each as it is read.
+#[test]
+fn the_guides_sidecar_is_one() {
+    let page = include_str!("../guide/formats.md");
+    let example = page.split("```toml").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
+    let mut warnings = Vec::new();
+    Sidecar::parse(example, Path::new("map.toml"), &mut warnings).unwrap();
+    assert!(warnings.is_empty(), "{warnings:?}");
+    let table: toml::Table = example.parse().unwrap();
+    let shown = |key: &&str| table.contains_key(*key) || ["extent_metres", "recipe"].contains(key);
+    assert!(Sidecar::KEYS.iter().all(shown), "{table}");
+}

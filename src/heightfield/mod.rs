@@ -1,11 +1,13 @@
 //! The height map itself: loading, generating, the maximum pyramid, craters, and the f64 reference. No GPU, no window.
 
 pub mod colour;
+pub mod companions;
 pub mod cone;
 mod crater;
 mod edited;
 pub mod export;
 mod field;
+pub mod gallery;
 pub mod generate;
 mod holes;
 pub mod import;
@@ -13,6 +15,7 @@ pub mod load;
 mod patch;
 #[cfg(test)]
 mod property_tests;
+mod provenance;
 mod pyramid;
 pub mod reference;
 pub mod save;
@@ -29,5 +32,6 @@ pub(crate) use field::{EXAGGERATIONS, HEIGHT_SCALES};
 pub use field::{HeightField, HeightFieldError};
 pub use holes::{HoleMask, Holes};
 pub use load::{LoadError, Loaded};
+pub use provenance::Provenance;
 pub use pyramid::{MaxPyramid, NodeRect, PyramidLevel};
 pub use sidecar::Sidecar;

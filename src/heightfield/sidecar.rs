@@ -49,8 +49,8 @@ pub struct Sidecar {
     /// From column to column and from row to row in the units of `crs`; the second is below 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub step: Option<[f64; 2]>,
-    /// What the coordinates of `crs` are counted in, where its number does not say: "degree", "web-mercator", or so many
-    /// metres each.
+    /// What the coordinates of `crs` are counted in, where its number does not say: "degree", "web-mercator", so many
+    /// metres each, or "none" where they are no lengths, so that the map has no proportion of its own.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) crs_unit: Option<UnitText>,
     /// What a sample stands for: the mean of an "area" around it, or the "point" it was measured at.
@@ -66,7 +66,7 @@ pub struct Sidecar {
 
 impl Sidecar {
     /// The keys that a sidecar may have.
-    pub const KEYS: [&'static str; 26] = [
+    pub const KEYS: [&'static str; 27] = [
         "title",
         "extent_metres",
         "lowest_metre",
@@ -92,6 +92,7 @@ impl Sidecar {
         "holes",
         "reduce",
         "window",
+        "too_large",
         "recipe",
     ];
 
@@ -161,7 +162,7 @@ impl Sidecar {
     }
 
     /// Drops numbers that no terrain can have, each with a warning.
-    fn drop_what_cannot_be(&mut self, path: &Path, warnings: &mut Vec<String>) {
+    pub(super) fn drop_what_cannot_be(&mut self, path: &Path, warnings: &mut Vec<String>) {
         let mut warn = |what: &str| warnings.push(format!("{}: {what}", path.display()));
         let positive = |value: f64| value.is_finite() && value > 0.0;
         if self.extent_metres.is_some_and(|sides| !sides.into_iter().all(positive)) {
@@ -268,12 +269,12 @@ impl Sidecar {
     /// The place in the reference system that `crs` and `crs_unit` say.
     pub(super) fn with_system(&self, place: Georeference) -> Georeference {
         let unit = self.crs_unit.map(UnitText::unit);
-        let place = Georeference { unit: unit.or(place.unit), ..place };
+        let place = Georeference { unit: unit.unwrap_or(place.unit), ..place };
         let place = match &self.crs {
             Some(crs) => place.with_crs(crs),
             None => place,
         };
-        Georeference { unit: unit.or(place.unit), ..place }
+        Georeference { unit: unit.unwrap_or(place.unit), ..place }
     }
 
     /// The heights that the lowest and highest sample stand for, metres.

@@ -120,6 +120,8 @@ impl Window {
         fs::create_dir(&settings).unwrap();
         fs::write(settings.join("settings.toml"), SETTINGS).unwrap();
         viewer.env("RELIEF_CONFIG_DIR", &settings);
+        // There is no desktop to ask for a dialogue.
+        viewer.env("RELIEF_DIALOGUE", "own");
         viewer.env("DISPLAY", &display).envs(environment.iter().copied());
         viewer.arg("--status").arg(folder.path().join("status.json"));
         viewer.arg("--screenshots").arg(folder.path().join("shots"));

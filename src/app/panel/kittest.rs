@@ -19,13 +19,14 @@ struct State {
     speed: f64,
     facts: Facts,
     tradeoff: Tradeoff,
+    files: Files,
     commands: Vec<Command>,
 }
 
 impl State {
     /// All that a control can change, as text.
     fn print(&self) -> String {
-        format!("{:?} {:?} {} {:?}", self.scene, self.view, self.speed, self.commands)
+        format!("{:?} {:?} {} {:?} {:?}", self.scene, self.view, self.speed, self.files, self.commands)
     }
 
     /// A state in which as little as possible is greyed out.
@@ -51,15 +52,23 @@ impl State {
         view.paths.diffuse = "b.png".into();
         view.paths.faces = ["1", "2", "3", "4", "5", "6"].map(Into::into);
         let facts = tests::facts(&map);
-        Self { scene, view, speed: 0.3, facts, tradeoff: Tradeoff::default(), commands: Vec::new() }
+        Self {
+            scene,
+            view,
+            speed: 0.3,
+            facts,
+            tradeoff: Tradeoff::default(),
+            files: Files::default(),
+            commands: Vec::new(),
+        }
     }
 }
 
 fn harness(section: Section) -> Harness<'static, State> {
     let mut harness = Harness::builder().with_size(egui::vec2(700.0, 3000.0)).build_ui_state(
         move |ui, state: &mut State| {
-            let State { scene, view, speed, facts, tradeoff, commands } = state;
-            (section.1)(ui, &mut Panel { scene, view, speed, facts, tradeoff, commands });
+            let State { scene, view, speed, facts, tradeoff, files, commands } = state;
+            (section.1)(ui, &mut Panel { scene, view, speed, facts, tradeoff, files, commands });
         },
         State::new(),
     );

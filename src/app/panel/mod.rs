@@ -6,7 +6,9 @@ mod compare;
 mod craters;
 mod debug;
 mod diffuse;
+mod files;
 mod frame;
+pub(crate) mod import;
 mod interface;
 mod keys;
 mod land;
@@ -21,6 +23,7 @@ mod terrain;
 mod tradeoff;
 mod widgets;
 
+use super::files::Files;
 use super::settings::{Command, Facts, ViewSettings};
 use super::tradeoff::Tradeoff;
 use crate::scene::Scene;
@@ -40,6 +43,8 @@ pub(crate) struct Panel<'a> {
     pub(crate) facts: &'a Facts,
     /// What was measured of the techniques.
     pub(crate) tradeoff: &'a Tradeoff,
+    /// The open maps, and how they are read.
+    pub(crate) files: &'a mut Files,
     /// What the sections ask of the viewer.
     pub(crate) commands: &'a mut Vec<Command>,
 }
@@ -48,8 +53,10 @@ pub(crate) struct Panel<'a> {
 type Section = (&'static str, fn(&mut egui::Ui, &mut Panel<'_>));
 
 /// All sections from top to bottom.
-const SECTIONS: [Section; 19] = [
+const SECTIONS: [Section; 21] = [
+    ("Files", files::show),
     ("Terrain", terrain::show),
+    ("Import", import::show),
     ("Camera", camera::show),
     ("Bookmarks", bookmarks::show),
     ("Camera path", path::show),
@@ -121,6 +128,7 @@ mod tests {
         ctx.enable_accesskit();
         let mut view = ViewSettings::default();
         let (facts, mut speed, mut commands) = (facts(&map), 0.3, Vec::new());
+        let mut open = Files::default();
         let mut update = None;
         // A click on the header opens the section, later passes let its animation finish.
         for pass in 0..8 {
@@ -152,6 +160,7 @@ mod tests {
                     speed: &mut speed,
                     facts: &facts,
                     tradeoff: &Tradeoff::default(),
+                    files: &mut open,
                     commands: &mut commands,
                 };
                 (section.1)(ui, &mut panel);

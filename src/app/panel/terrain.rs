@@ -6,6 +6,7 @@ use egui::Ui;
 
 use super::Panel;
 use super::widgets::{Number, button_unless, fact, section, text};
+use crate::app::files::FilesCommand;
 use crate::app::settings::Command;
 use crate::heightfield::EXAGGERATIONS;
 use crate::scene::TerrainSettings;
@@ -50,7 +51,7 @@ pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
         let entered = text(ui, &mut view.paths.terrain, "Terrain file", "path of a height map", tooltip);
         let empty = view.paths.terrain.trim().is_empty().then_some("no path is given");
         if button_unless(ui, "Open terrain", "Opens the file named above.", empty) || entered && empty.is_none() {
-            commands.push(Command::Open(PathBuf::from(view.paths.terrain.trim())));
+            commands.push(Command::Files(FilesCommand::Open(vec![PathBuf::from(view.paths.terrain.trim())])));
         }
     });
 }

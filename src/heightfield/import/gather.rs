@@ -2,7 +2,7 @@
 
 use super::elevation::{Sample, Taken};
 use super::source::Fault;
-use super::{Elevation, Format, ImportOptions, NoData, Samples};
+use super::{Elevation, Format, ImportOptions, NoData, Samples, TooLarge};
 use crate::heightfield::HoleMask;
 
 /// Most samples on a side where the caller gives no limit.
@@ -15,8 +15,8 @@ const MOST_IN_FILE: u64 = 1 << 24;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Plan {
     pub(super) taken: Taken,
-    /// Whether the factor was chosen to stay within the limit.
-    pub(super) reduced_to_fit: Option<u32>,
+    /// The limit that the factor or the window was chosen to stay within, and the columns and rows that were too many.
+    to_fit: Option<(u32, [u32; 2])>,
 }
 
 impl Plan {
@@ -29,7 +29,7 @@ impl Plan {
             return Err(Fault::TooLarge([width, height]));
         }
         let full = [width as u32, height as u32];
-        let window = options.window.unwrap_or([0, 0, full[0], full[1]]);
+        let mut window = options.window.unwrap_or([0, 0, full[0], full[1]]);
         let ends = [u64::from(window[0]) + u64::from(window[2]), u64::from(window[1]) + u64::from(window[3])];
         if window[2] < 2 || window[3] < 2 || ends[0] > width || ends[1] > height {
             return Err(Fault::Unclear(
@@ -48,6 +48,17 @@ impl Plan {
         if factor > asked && options.refuse_larger {
             return Err(Fault::Beyond([window[2] / asked, window[3] / asked]));
         }
+        let wanted = [window[2], window[3]];
+        let to_fit = (factor > asked).then_some((limit, wanted));
+        let cut = to_fit.is_some() && options.too_large == Some(TooLarge::Window);
+        let factor = if cut { asked } else { factor };
+        if cut {
+            for axis in [0, 1] {
+                let most = window[2 + axis].min(limit.saturating_mul(asked));
+                window[axis] += (window[2 + axis] - most) / 2;
+                window[2 + axis] = most;
+            }
+        }
         if (window[2] / factor).min(window[3] / factor) < 2 {
             let (size, advice) =
                 (format!("{}×{}", window[2], window[3]), "choose a --window of it, or a smaller --reduce");
@@ -62,18 +73,27 @@ impl Plan {
             return Err(Fault::Unclear(why, advice.into()));
         }
         let taken = Taken { full, window, factor };
-        Ok(Self { taken, reduced_to_fit: (factor > asked).then_some(limit) })
+        Ok(Self { taken, to_fit })
     }
 
     /// What has to be told about it.
     fn warning(&self) -> Option<String> {
-        let (taken, limit) = (self.taken, self.reduced_to_fit?);
+        let (taken, (limit, [columns, rows])) = (self.taken, self.to_fit?);
         let [width, height] = taken.size();
-        Some(format!(
-            "its {}×{} samples are more than the {limit} a side that fit here: each sample is the mean of {}×{}, \
-             {width}×{height} in all; choose a part of it in full with --window X,Z,WIDTH,HEIGHT",
-            taken.window[2], taken.window[3], taken.factor, taken.factor
-        ))
+        let [x, z, ..] = taken.window;
+        let too_many = format!("its {columns}×{rows} samples are more than the {limit} a side that fit here");
+        Some(if taken.window[2..] == [columns, rows] {
+            format!(
+                "{too_many}: each sample is the mean of {factor}×{factor}, {width}×{height} in all; choose a part of it in \
+                 full with --window X,Z,WIDTH,HEIGHT, or its middle with --too-large window",
+                factor = taken.factor
+            )
+        } else {
+            format!(
+                "{too_many}: only its middle is shown, {width}×{height} from column {x} and row {z} on; choose another part \
+                 with --window X,Z,WIDTH,HEIGHT, or means of all with --too-large reduce"
+            )
+        })
     }
 }
 
@@ -326,6 +346,20 @@ mod tests {
             assert!(taken.size()[0] <= limit, "{taken:?}");
             assert_eq!(taken.factor, expected, "{width} within {limit}");
         }
+        let middle = |size: [u64; 2], options: ImportOptions| {
+            let options = ImportOptions { limit: Some(40), too_large: Some(TooLarge::Window), ..options };
+            let plan = Plan::new(size[0], size[1], &options).unwrap();
+            assert!(plan.taken.size().iter().all(|&side| side <= 40), "{plan:?}");
+            (plan.taken.window, plan.taken.factor, plan.warning().is_some())
+        };
+        assert_eq!(middle([101, 30], ImportOptions::default()), ([30, 0, 40, 30], 1, true));
+        assert_eq!(middle([40, 30], ImportOptions::default()), ([0, 0, 40, 30], 1, false), "it fits");
+        let window = ImportOptions { window: Some([10, 5, 100, 90]), reduce: Some(2), ..Default::default() };
+        assert_eq!(
+            middle([200, 200], window),
+            ([20, 10, 80, 80], 2, true),
+            "the middle of the part, in the means asked for"
+        );
         let refused = ImportOptions { limit: Some(40), refuse_larger: true, ..Default::default() };
         assert!(matches!(Plan::new(41, 41, &refused), Err(Fault::Beyond([41, 41]))));
         assert!(matches!(Plan::new(1, 41, &refused), Err(Fault::TooSmall(_))));

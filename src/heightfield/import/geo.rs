@@ -25,7 +25,7 @@ pub enum GroundUnit {
     WebMercator,
 }
 
-/// [`GroundUnit`] as a sidecar has it: "degree", "web-mercator", or metres.
+/// [`GroundUnit`] as a sidecar has it: "degree", "web-mercator", "none", or metres.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub(in crate::heightfield) enum UnitText {
@@ -43,9 +43,14 @@ pub(in crate::heightfield) enum UnitName {
     Degree,
     /// Metres at the equator.
     WebMercator,
+    /// No lengths on any ground.
+    None,
 }
 
 impl UnitText {
+    /// The coordinates are no lengths.
+    pub(in crate::heightfield) const NONE: Self = Self::Named(UnitName::None);
+
     /// The same as text, where there is one.
     pub(in crate::heightfield) fn of(unit: GroundUnit) -> Option<Self> {
         match unit {
@@ -55,11 +60,13 @@ impl UnitText {
         }
     }
 
-    pub(in crate::heightfield) fn unit(self) -> GroundUnit {
+    /// The unit; `None` where coordinates are no lengths.
+    pub(in crate::heightfield) fn unit(self) -> Option<GroundUnit> {
         match self {
-            Self::Metres(metres) => GroundUnit::Metres(metres),
-            Self::Named(UnitName::Degree) => GroundUnit::Degrees(1.0),
-            Self::Named(UnitName::WebMercator) => GroundUnit::WebMercator,
+            Self::Metres(metres) => Some(GroundUnit::Metres(metres)),
+            Self::Named(UnitName::Degree) => Some(GroundUnit::Degrees(1.0)),
+            Self::Named(UnitName::WebMercator) => Some(GroundUnit::WebMercator),
+            Self::Named(UnitName::None) => None,
         }
     }
 }

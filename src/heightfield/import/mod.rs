@@ -33,7 +33,7 @@ pub(crate) use elevation::{Sample, number, with_samples};
 pub use geo::{Georeference, GroundUnit, PixelIs};
 pub(super) use geo::{UNIT_GUESSED, UnitText};
 pub(crate) use geokeys::tags_of;
-pub use options::{Encoding, Endian, ImportOptions, Listener, NoData, RawType};
+pub use options::{Encoding, Endian, ImportOptions, Listener, NoData, RawType, TooLarge};
 
 /// The formats that open.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -72,8 +72,8 @@ impl Format {
         }
     }
 
-    /// The format of a file that begins with `head`. `Err`: what it looks like instead.
-    pub(super) fn of(head: &[u8], path: &Path, options: &ImportOptions) -> Result<Self, &'static str> {
+    /// The format of a file that begins with `head`. `Err`: what it looks like instead, and what to do about it.
+    pub(super) fn of(head: &[u8], path: &Path, options: &ImportOptions) -> Result<Self, Stranger> {
         const MAGIC: [(&[u8], Format); 12] = [
             (b"\x89PNG\r\n\x1a\n", Format::Png),
             (b"\xff\xd8\xff", Format::Jpeg),
@@ -93,7 +93,7 @@ impl Format {
         }
         let begins = |magic: &[u8]| head.starts_with(magic) || (!head.is_empty() && magic.starts_with(head));
         match MAGIC.into_iter().find(|(magic, _)| begins(magic)) {
-            Some((_, Self::Raw)) => return Err("a FITS file"),
+            Some((_, Self::Raw)) => return Err(Stranger("a FITS file", CONVERT)),
             Some((_, format)) => return Ok(format),
             None if ascii_grid::begins(head) => return Ok(Self::AsciiGrid),
             None => {}
@@ -109,10 +109,10 @@ impl Format {
             "r8" | "r16" | "r32" | "raw" => Ok(Self::Raw),
             "ter" => Ok(Self::Terragen),
             "dem" if is_text(head) => Ok(Self::UsgsDem),
-            "hdr" => Err("the header of another file; open the .bil or .flt beside it"),
+            "hdr" => Err(Stranger("the header of another file", "open the .bil or .flt beside it")),
             _ if options.raw_size.is_some() || options.raw_type.is_some() => Ok(Self::Raw),
-            _ if is_text(head) => Err("a text file"),
-            _ => Err("no format known here"),
+            _ if is_text(head) => Err(Stranger("a text file", CONVERT)),
+            _ => Err(Stranger("no format known here", CONVERT)),
         }
     }
 }
@@ -121,9 +121,24 @@ fn is_text(head: &[u8]) -> bool {
     head.iter().all(|byte| byte.is_ascii_graphic() || byte.is_ascii_whitespace())
 }
 
+/// A file that does not open: what it looks like, and what to do about it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Stranger(pub(super) &'static str, pub(super) &'static str);
+
+/// What to do about any file that does not open.
+const CONVERT: &str =
+    "convert it to GeoTIFF or a 16-bit PNG, or say --raw-size and --raw-type if it holds nothing but samples";
+
+/// What to do about a packed file.
+const UNPACK: &str = "unpack it first (gunzip, unzip, bunzip2, unxz, 7z x), and open what was in it";
+
+/// What to do about netCDF-4.
+const OLDER_NETCDF: &str =
+    "write it in the classic form, with nccopy -k classic IN OUT.nc, or as GeoTIFF, with gdal_translate IN OUT.tif";
+
 /// What a file that does not open looks like by its first bytes, where that can be told.
-fn looks_like(head: &[u8]) -> Option<&'static str> {
-    const KNOWN: [(&[u8], &str); 19] = [
+fn looks_like(head: &[u8]) -> Option<Stranger> {
+    const KNOWN: [(&[u8], &str); 20] = [
         (b"GIF8", "a GIF"),
         (b"BM", "a BMP"),
         (b"\x89HDF", "a netCDF-4 or HDF5 file"),
@@ -143,12 +158,25 @@ fn looks_like(head: &[u8]) -> Option<&'static str> {
         (b"north:", "a GRASS ASCII grid"),
         (b"EHFA_HEADER_TAG", "an ERDAS Imagine file"),
         (b"GRIB", "a GRIB file"),
+        (b"Lerc2 ", "a LERC file"),
     ];
-    KNOWN.iter().find(|(magic, _)| head.starts_with(magic)).map(|(_, name)| *name)
+    let (_, name) = KNOWN.iter().find(|(magic, _)| head.starts_with(magic))?;
+    let advice = match *name {
+        name if name.ends_with("archive") => UNPACK,
+        "a netCDF-4 or HDF5 file" => OLDER_NETCDF,
+        _ => "convert it to GeoTIFF, with gdal_translate IN OUT.tif for instance, or to a 16-bit PNG",
+    };
+    Some(Stranger(name, advice))
 }
 
-/// Decodes a file of this format.
-pub(super) fn decode(format: Format, source: &mut Source, options: &ImportOptions) -> Result<Elevation, Fault> {
+/// Decodes a file of this format. `said` is what the user said, and not the sidecar: what of it means nothing for the
+/// format is told. A sidecar may say more than one file of its name needs.
+pub(super) fn decode(
+    format: Format,
+    source: &mut Source,
+    options: &ImportOptions,
+    said: &ImportOptions,
+) -> Result<Elevation, Fault> {
     let mut elevation = match format {
         Format::Png | Format::Jpeg | Format::WebP => picture::decode(format, source, options),
         Format::Tiff => tiff::decode(source, options),
@@ -162,12 +190,12 @@ pub(super) fn decode(format: Format, source: &mut Source, options: &ImportOption
         Format::UsgsDem => usgs_dem::decode(source, options),
     }?;
     let ignored = [
-        ("--encoding", options.encoding.is_some(), matches!(format, Format::Png | Format::WebP | Format::Jpeg)),
-        ("--band", options.band.is_some(), matches!(format, Format::Tiff | Format::Raster)),
-        ("--variable", options.variable.is_some(), matches!(format, Format::NetCdf | Format::OpenExr)),
-        ("--raw-size", options.raw_size.is_some(), format == Format::Raw),
-        ("--raw-type", options.raw_type.is_some(), format == Format::Raw),
-        ("--raw-endian", options.raw_endian.is_some(), format == Format::Raw),
+        ("--encoding", said.encoding.is_some(), matches!(format, Format::Png | Format::WebP | Format::Jpeg)),
+        ("--band", said.band.is_some(), matches!(format, Format::Tiff | Format::Raster)),
+        ("--variable", said.variable.is_some(), matches!(format, Format::NetCdf | Format::OpenExr)),
+        ("--raw-size", said.raw_size.is_some(), format == Format::Raw),
+        ("--raw-type", said.raw_type.is_some(), format == Format::Raw),
+        ("--raw-endian", said.raw_endian.is_some(), format == Format::Raw),
     ];
     for (name, _, _) in ignored.into_iter().filter(|(_, given, used)| *given && !used) {
         elevation.warnings.push(format!("{name} means nothing for a {}, and was ignored", format.name()));

@@ -72,6 +72,17 @@ pub enum Encoding {
     Mapbox,
 }
 
+/// What becomes of a map with more samples a side than the limit.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, ValueEnum)]
+#[serde(rename_all = "lowercase")]
+pub enum TooLarge {
+    /// All of it, each sample the mean of as many as it takes
+    #[default]
+    Reduce,
+    /// Its middle in full
+    Window,
+}
+
 /// Which number stands for "no height".
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "NoDataText", into = "NoDataText")]
@@ -161,7 +172,10 @@ pub struct ImportOptions {
     /// Only a part: first column and row, columns, rows.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub window: Option<[u32; 4]>,
-    /// Most samples a side; a larger map is reduced, and that is told.
+    /// What becomes of a map beyond the limit.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub too_large: Option<TooLarge>,
+    /// Most samples a side; a larger map is treated as [`Self::too_large`] says, and that is told.
     #[serde(skip)]
     pub limit: Option<u32>,
     /// A map beyond the limit is refused instead, before it is decoded.
@@ -174,7 +188,7 @@ pub struct ImportOptions {
 
 impl ImportOptions {
     /// The keys that a sidecar may have of these.
-    pub const KEYS: [&'static str; 12] = [
+    pub const KEYS: [&'static str; 13] = [
         "raw_size",
         "raw_type",
         "raw_endian",
@@ -187,6 +201,7 @@ impl ImportOptions {
         "holes",
         "reduce",
         "window",
+        "too_large",
     ];
 
     /// These, completed by `other`.
@@ -205,6 +220,7 @@ impl ImportOptions {
             holes: self.holes.or(other.holes),
             reduce: self.reduce.or(other.reduce),
             window: self.window.or(other.window),
+            too_large: self.too_large.or(other.too_large),
             ..self
         }
     }

@@ -116,6 +116,7 @@ fn check_and_decode(
 /// The luminance as height.
 fn shades(picture: DynamicImage, plan: Plan, options: &ImportOptions, format: Format) -> Result<Elevation, Fault> {
     let colour = picture.color();
+    let packed = looks_packed(&picture);
     let mut elevation = match colour {
         ColorType::L16 | ColorType::La16 | ColorType::Rgb16 | ColorType::Rgba16 => {
             gathered::<u16>(picture.into_luma16().as_raw(), plan, options, format)
@@ -129,12 +130,43 @@ fn shades(picture: DynamicImage, plan: Plan, options: &ImportOptions, format: Fo
             (true, false) => "is coloured",
             _ => "has an alpha channel",
         };
+        if let Some(encoding) = packed {
+            elevation.warnings.push(format!(
+                "it looks like a terrain-RGB tile, heights packed into colours, but is shown as a picture; say --encoding \
+                 {encoding} if it is one"
+            ));
+            return Ok(elevation);
+        }
         elevation.warnings.push(format!(
             "it {what}: its luminance is taken as the height; save it as greyscale to be sure of the heights, or say \
              --encoding where its colours are heights"
         ));
     }
     Ok(elevation)
+}
+
+/// The encoding of what may be heights in colours: a red that hardly changes, and is that of heights on Earth, below a
+/// green that does. Only for a hint: a picture may look like this, too.
+fn looks_packed(picture: &DynamicImage) -> Option<&'static str> {
+    /// So many pixels tell enough.
+    const LOOKED_AT: usize = 1 << 14;
+    if !matches!(picture.color(), ColorType::Rgb8 | ColorType::Rgba8) {
+        return None;
+    }
+    let channels = usize::from(picture.color().channel_count());
+    let pixels = picture.as_bytes().chunks_exact(channels);
+    let step = (pixels.len() / LOOKED_AT).max(1);
+    let (mut red, mut green) = ([u8::MAX, 0], [u8::MAX, 0]);
+    for pixel in pixels.step_by(step) {
+        red = [red[0].min(pixel[0]), red[1].max(pixel[0])];
+        green = [green[0].min(pixel[1]), green[1].max(pixel[1])];
+    }
+    let varied = green[1].saturating_sub(green[0]) >= 2 && green[1] > red[1].saturating_sub(red[0]);
+    match red {
+        [1..=2, 1..=2] if varied => Some("mapbox"),
+        [85..=163, 125..=163] if varied && red[1] - red[0] <= 39 => Some("terrarium"),
+        _ => None,
+    }
 }
 
 fn gathered<T: Sample>(samples: &[T], plan: Plan, options: &ImportOptions, format: Format) -> Result<Elevation, Fault> {

@@ -12,7 +12,16 @@ pub(super) fn decode(source: &mut Source, options: &ImportOptions) -> Result<Ele
     let (kind, [width, height]) = layout(source, options, &mut warnings)?;
     let needed = (u64::from(width) * u64::from(height)).saturating_mul(kind.bytes());
     let Some(left) = source.bytes.checked_sub(needed) else {
-        return Err(Fault::Promises([width.into(), height.into()]));
+        return Err(Fault::Unclear(
+            format!(
+                "its {} bytes are too few for {width}×{height} samples of {}, which take {needed}",
+                source.bytes,
+                kind.name()
+            ),
+            "correct --raw-size WxH and --raw-type, here or as raw_size and raw_type in its sidecar; if they are right, the \
+             file is truncated: save or download it again"
+                .into(),
+        ));
     };
     if left > 0 {
         warnings.push(format!("{left} bytes after its {width}×{height} samples of {} were left out", kind.name()));

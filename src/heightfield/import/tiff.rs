@@ -12,6 +12,9 @@ use super::{Elevation, Format, ImportOptions, Sample, VerticalUnit};
 /// GDAL's notes on scale, offset and unit, as XML.
 const GDAL_METADATA: Tag = Tag::Unknown(42112);
 
+/// The photometric interpretation of samples that are indices of colours.
+const PALETTE: u16 = 3;
+
 /// Most bytes of one strip or tile.
 const MOST_CHUNK: u64 = 1 << 30;
 
@@ -133,6 +136,18 @@ impl Layout {
         let format = first(decoder, Tag::SampleFormat, 1)?;
         let bands = u32::from(first(decoder, Tag::SamplesPerPixel, 1)?);
         let compression = CompressionMethod::from_u16_exhaustive(first(decoder, Tag::Compression, 1)?);
+        if first(decoder, Tag::PhotometricInterpretation, 1)? == PALETTE {
+            return Err(Fault::Unsupported(
+                "a palette: its samples are numbers of colours, not heights".into(),
+                "open the file it was coloured from, or write shades with gdal_translate -expand gray",
+            ));
+        }
+        if let Some(name) = unsupported_compression(compression) {
+            return Err(Fault::Unsupported(
+                format!("{name} compression"),
+                "write it again with another, with gdal_translate -co COMPRESS=DEFLATE IN OUT.tif for instance",
+            ));
+        }
         let planar = first(decoder, Tag::PlanarConfiguration, 1)? == PlanarConfiguration::Planar.to_u16();
         let band = options.band.unwrap_or(1);
         if band == 0 || band > bands {
@@ -331,6 +346,20 @@ pub(super) fn geo_tags(decoder: &mut TiffReader) -> GeoTags {
             .flatten()
             .and_then(|value| value.into_string().ok())
             .unwrap_or_default(),
+    }
+}
+
+/// The name of a way to pack samples that does not open here.
+fn unsupported_compression(method: CompressionMethod) -> Option<&'static str> {
+    match method.to_u16() {
+        2..=4 => Some("fax (CCITT)"),
+        34661 => Some("JBIG"),
+        33003..=33005 | 34712 => Some("JPEG 2000"),
+        34887 => Some("LERC"),
+        34925 => Some("LZMA"),
+        50001 => Some("WebP"),
+        50002 | 52546 => Some("JPEG XL"),
+        _ => None,
     }
 }
 
