@@ -32,16 +32,18 @@ fn main() {
     println!("\nloading {side} × {side} samples, median of {rounds} interleaved rounds");
     println!("{:42} {:>10} {:>9} {:>16}", "", "MB", "ms", "ms per million");
     let mut times = vec![Vec::new(); maps.files.len()];
+    let mut samples = vec![0.0; maps.files.len()];
     for _ in 0..rounds {
-        for ((_, path, options), times) in maps.files.iter().zip(&mut times) {
+        for (((_, path, options), times), samples) in maps.files.iter().zip(&mut times).zip(&mut samples) {
             let start = Instant::now();
-            black_box(load::load_with(path, options, Listener::none()).unwrap());
+            let loaded = black_box(load::load_with(path, options, Listener::none()).unwrap());
             times.push(ms(start));
+            *samples = f64::from(loaded.field.width()) * f64::from(loaded.field.height());
         }
     }
-    for ((name, path, _), times) in maps.files.iter().zip(&mut times) {
+    for (((name, path, _), times), samples) in maps.files.iter().zip(&mut times).zip(samples) {
         let megabytes = fs::metadata(path).unwrap().len() as f64 / 1e6;
-        row(name, &format!("{megabytes:.2}"), median(times), side);
+        row(name, &format!("{megabytes:.2}"), median(times), samples);
     }
     // What follows before the map is on screen, whatever its format.
     let field = Arc::new(load::load(&maps.files[0].1).unwrap().field);
@@ -52,11 +54,11 @@ fn main() {
             ms(start)
         })
         .collect();
-    row("then the pyramid and the colours", "", median(&mut times), side);
+    row("then the pyramid and the colours", "", median(&mut times), f64::from(side) * f64::from(side));
 }
 
-fn row(name: &str, megabytes: &str, ms: f64, side: u32) {
-    println!("{name:42} {megabytes:>10} {ms:9.1} {:16.1}", ms / (f64::from(side) * f64::from(side) / 1e6));
+fn row(name: &str, megabytes: &str, ms: f64, samples: f64) {
+    println!("{name:42} {megabytes:>10} {ms:9.1} {:16.1}", ms / (samples / 1e6));
 }
 
 fn ms(start: Instant) -> f64 {

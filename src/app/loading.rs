@@ -65,8 +65,10 @@ pub(crate) struct LoadFailure {
     pub(crate) source: Source,
     /// What, why and what to do.
     pub(crate) message: String,
-    /// The file would open if its layout were said.
+    /// The file would open if its layout were said, and not as this says.
     pub(crate) unclear: bool,
+    /// What counted instead of its sidecar.
+    pub(crate) stated: Option<Box<Sidecar>>,
     /// There is no such file.
     pub(crate) missing: bool,
 }
@@ -144,6 +146,7 @@ impl Loader {
                     job.source.name()
                 ),
                 unclear: false,
+                stated: None,
                 missing: false,
             }),
         };
@@ -174,6 +177,7 @@ fn open(request: Request, share: &AtomicU32, cancel: &AtomicBool) -> Result<Open
         source: request.source.clone(),
         message: error.to_string(),
         unclear: matches!(&error, OpenError::Load(LoadError::Unclear { .. })) && is_raw(&request.source),
+        stated: request.stated.clone().map(Box::new),
         missing: matches!(&error, OpenError::Load(LoadError::NotFound { .. })),
     })?;
     hear(1.0);

@@ -333,10 +333,7 @@ impl Viewer {
             self.redraw.invalidate();
             match result {
                 Ok(opened) => self.adopt(graphics, opened, now)?,
-                Err(failure) => {
-                    self.toasts.error(&failure.message);
-                    self.did_not_open(&failure);
-                }
+                Err(failure) => self.did_not_open(&failure),
             }
         }
         self.open_dropped();

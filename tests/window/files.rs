@@ -88,7 +88,16 @@ fn files_are_chosen_corrected_and_saved() {
     window.settled("the dialogue", |status| widget(status, "oblong.raw").is_some());
     window.click("oblong.raw");
     window.settled("a question", |status| widget(status, "Read the file").is_some());
+    // Too many for its bytes: it asks again, and keeps what was said.
     window.fill_number("Raw columns", "21");
+    window.fill_number("Raw rows", "900");
+    window.settled("an answer", |status| {
+        widget(status, "Read the file").is_some_and(|button| button["disabled"] == false)
+    });
+    window.click("Read the file");
+    window.settled("the question again", |status| {
+        widget(status, "Raw rows").is_some_and(|field| field["value"] == "900.0")
+    });
     window.fill_number("Raw rows", "18");
     window.settled("an answer", |status| {
         widget(status, "Read the file").is_some_and(|button| button["disabled"] == false)

@@ -39,11 +39,12 @@ impl Card {
         }
     }
 
-    /// That of a file that does not open until its layout is said.
-    pub(crate) fn for_question(path: &Path) -> Self {
+    /// That of a file that does not open until its layout is said; `stated` is what was said before.
+    pub(crate) fn for_question(path: &Path, stated: Option<Sidecar>) -> Self {
         let mut warnings = Vec::new();
-        let stated = Sidecar::read_for(path, &mut warnings).unwrap_or_default();
+        let stated = stated.or_else(|| Sidecar::read_for(path, &mut warnings)).unwrap_or_default();
         Self {
+            full: stated.import.raw_size.unwrap_or_default(),
             nodata: nodata_text(&stated.import),
             draft: stated.clone(),
             applied: stated,
@@ -108,7 +109,7 @@ mod tests {
         let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/formats/other/oblong.raw");
         let path = folder.path().join("oblong.raw");
         std::fs::copy(data, &path).unwrap();
-        let mut card = Card::for_question(&path);
+        let mut card = Card::for_question(&path, None);
         assert!(card.is_raw && !card.is_changed());
         card.draft.import.raw_size = Some([21, 18]);
         card.draft.import.raw_type = Some(crate::heightfield::import::RawType::I16);

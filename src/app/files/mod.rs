@@ -89,6 +89,8 @@ pub(crate) struct Question {
     pub(crate) path: PathBuf,
     /// What is to be said.
     pub(crate) card: Card,
+    /// Why it does not open as it is.
+    pub(crate) why: String,
 }
 
 /// All about files that the viewer remembers.
@@ -304,12 +306,17 @@ impl Viewer {
         }
     }
 
-    /// A map that did not open; the message was told already. What only asks for its layout gets a window to say it in.
+    /// Tells of a map that did not open. What only asks for its layout gets a window to say it in.
     pub(super) fn did_not_open(&mut self, failure: &LoadFailure) {
         self.files.since = None;
         self.files.maps.failed(&failure.source);
-        if let (Source::File(path), true) = (&failure.source, failure.unclear) {
-            self.files.question = Some(Question { path: path.clone(), card: Card::for_question(path) });
+        match &failure.source {
+            Source::File(path) if failure.unclear => {
+                let card = Card::for_question(path, failure.stated.as_deref().cloned());
+                let why = failure.message.lines().nth(1).unwrap_or_default().trim().to_owned();
+                self.files.question = Some(Question { path: path.clone(), card, why });
+            }
+            _ => self.toasts.error(&failure.message),
         }
         if let (Source::File(path), true) = (&failure.source, failure.missing) {
             self.files.recent.gone(path);

@@ -209,7 +209,7 @@ pub(crate) fn ask(ctx: &Context, free: Rect, question: &mut Question) -> Option<
     window.show(ctx, |ui| {
         ui.set_width(320.0);
         let bytes = std::fs::metadata(&question.path).map_or(0, |found| found.len());
-        ui.label(format!("{name} holds {bytes} bytes of samples and nothing that says their layout."));
+        ui.label(format!("{name}: {}.", question.why));
         let card = &mut question.card;
         ui.push_id("question", |ui| raw(ui, card));
         let size = card.draft.import.raw_size.map_or(0, |[width, height]| u64::from(width) * u64::from(height));
