@@ -225,7 +225,8 @@ impl Store {
     /// aside first.
     pub(crate) fn open(reset: bool) -> (Self, Preferences, Vec<String>) {
         let named = std::env::var_os(FOLDER_VARIABLE).filter(|folder| !folder.is_empty()).map(PathBuf::from);
-        let ours = || etcetera::choose_base_strategy().ok().map(|base| base.config_dir().join("relief"));
+        let ours =
+            || etcetera::base_strategy::choose_native_strategy().ok().map(|base| base.config_dir().join("relief"));
         Self::at(named.or_else(ours).map(|folder| folder.join("settings.toml")), reset)
     }
 
