@@ -4,7 +4,7 @@ use glam::DVec3;
 use relief::camera::{Camera, NamedView};
 use relief::heightfield::reference::Surface;
 
-use crate::harness::{Window, camera, canyon};
+use crate::harness::{Window, camera, canyon, told};
 
 const SIZE: [u32; 2] = [420, 300];
 
@@ -88,6 +88,32 @@ fn path(window: &mut Window) {
     assert!(camera(&stopped).eye.distance(home.eye) > 1e-6, "any key stops it");
 }
 
+/// The path as an animation, cancelled once and then whole. The panel is there.
+fn film(window: &mut Window) {
+    for closed in ["Terrain", "March"] {
+        window.section(closed, false);
+    }
+    window.section("Camera path", true);
+    let file = window.path("flight.png");
+    window.fill("Animation file", &file.display().to_string());
+    window.fill_number("Animation width", "64");
+    window.fill_number("Animation height", "40");
+    window.fill_number("Pictures per second", "240");
+    window.click("Write animation");
+    window.wait("work", |status| status["filming"] == true);
+    window.point(400.0, 100.0);
+    window.key("Escape");
+    window.settled("its end", |status| status["filming"] == false && told(status, "cancelled"));
+    assert!(!file.exists());
+    window.fill_number("Pictures per second", "3");
+    window.click("Write animation");
+    window.settled("the animation", |status| told(status, "Saved the animation"));
+    use image::AnimationDecoder;
+    let reader = std::io::BufReader::new(std::fs::File::open(file).unwrap());
+    let frames = image::codecs::png::PngDecoder::new(reader).unwrap().apng().unwrap().into_frames();
+    assert_eq!(frames.map(|frame| frame.unwrap().buffer().dimensions()).collect::<Vec<_>>(), [(64, 40); 10]);
+}
+
 /// Tab belongs to the picture until the panel has the keyboard.
 fn keyboard(window: &mut Window) {
     window.key("F6");
@@ -99,4 +125,5 @@ fn keyboard(window: &mut Window) {
     window.settled("flying", |status| status["typing"] == false);
     window.key("Tab");
     window.settled("orbit", |status| status["mode"] == "orbit");
+    film(window);
 }

@@ -13,11 +13,11 @@ fn chosen() -> Option<PathBuf> {
 
 /// The folder for what is to be remembered: the platform's. `None` where there is no home.
 pub(crate) fn config() -> Option<PathBuf> {
-    chosen().or_else(|| Some(etcetera::choose_base_strategy().ok()?.config_dir().join("relief")))
+    chosen().or_else(|| Some(etcetera::base_strategy::choose_native_strategy().ok()?.config_dir().join("relief")))
 }
 
 /// The folder for the gallery's made terrain, which can be made again at any time.
 pub(crate) fn gallery() -> PathBuf {
-    let cache = || Some(etcetera::choose_base_strategy().ok()?.cache_dir().join("relief"));
+    let cache = || Some(etcetera::base_strategy::choose_native_strategy().ok()?.cache_dir().join("relief"));
     chosen().or_else(cache).unwrap_or_else(|| std::env::temp_dir().join("relief")).join("gallery")
 }

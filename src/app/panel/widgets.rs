@@ -84,7 +84,7 @@ impl<'a> Number<'a> {
                     .logarithmic(self.logarithmic)
                     .clamping(egui::SliderClamping::Edits);
                 let rail = explain(ui.add(rail), self.tooltip, self.off).accessible_name(self.name);
-                let speed = (range.end().to_f64() - range.start().to_f64()) / 400.0;
+                let speed = step::<T>((range.end().to_f64() - range.start().to_f64()) / 400.0, decimals);
                 let field = DragValue::new(value).range(range).speed(speed).suffix(self.unit).max_decimals(decimals);
                 let field = field.clamp_existing_to_range(false).update_while_editing(false).custom_parser(finite);
                 let field = explain(ui.add(field), self.tooltip, self.off).accessible_name(field_name(self.name));
@@ -101,7 +101,7 @@ impl<'a> Number<'a> {
         let decimals = if T::INTEGRAL { 0 } else { self.decimals };
         let field = DragValue::new(value)
             .range(range)
-            .speed(speed)
+            .speed(step::<T>(speed, decimals))
             .suffix(self.unit)
             .max_decimals(decimals)
             .clamp_existing_to_range(false)
@@ -118,6 +118,14 @@ impl<'a> Number<'a> {
         })
         .inner
     }
+}
+
+/// What an arrow key adds to a number, and the mouse for a point: `speed`, but no less than the last digit that shows, or the
+/// key would do nothing.
+fn step<T: Numeric>(speed: f64, decimals: usize) -> f64 {
+    // Few digits.
+    let last_digit = if T::INTEGRAL { 1.0 } else { 10f64.powi(-(decimals as i32)) };
+    speed.max(last_digit)
 }
 
 /// The number in a text that was typed. What is none leaves the field as it was, and so do `nan` and `inf`, which egui
