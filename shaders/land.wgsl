@@ -236,15 +236,18 @@ fn with_contours(colour: vec3f, albedo: vec3f, place: Place, ray: Ray, depth: f3
     let to_right = right.xz * terrain.cells_per_unit * depth;
     let to_down = down.xz * terrain.cells_per_unit * depth;
     let beside = vec4f(share_at(p + to_right), share_at(p - to_right), share_at(p + to_down), share_at(p - to_down));
-    let most = abs(beside - here);
-    let gain = max(touching, max(max(most.x, most.y), max(most.z, most.w))) * land.contours_per_share;
+    let change = abs(beside - here);
+    let most = max(touching, max(max(change.x, change.y), max(change.z, change.w))) * land.contours_per_share;
+    // Within a cell the plane is the ground, and a line as wide as it should be.
+    let cells = max(max(abs(to_right.x), abs(to_right.y)), max(abs(to_down.x), abs(to_down.y)));
+    let gain = mix(touching * land.contours_per_share, most, smoothstep(1.0, 2.0, cells));
 
     let at = here * land.contours_per_share + land.contour_offset - LIFT;
     let per_pixel = max(gain, LEAST_RISE);
     let fifth = at / 5.0;
     let thin = covered(abs(at - round(at)) / per_pixel, land.contour_width);
     let heavy = covered(abs(fifth - round(fifth)) * 5.0 / per_pixel, land.contour_width * 2.0);
-    let apart = 1.0 / max(gain, 1e-9);
+    let apart = 1.0 / max(most, 1e-9);
     let cover = max(
         0.55 * thin * smoothstep(CROWDED, APART, apart),
         0.85 * heavy * smoothstep(CROWDED, APART, apart * 5.0),
