@@ -26,6 +26,9 @@
 #ifdef SHADED
 #import relief::shading
 #endif
+#ifdef MATERIALS
+#import relief::materials
+#endif
 #ifdef VIEW_NORMALS
 #import relief::shading
 #endif
@@ -349,12 +352,16 @@ fn fs_main(in: varyings::Varyings) -> Fragment {
     wall = wall || cut != 3u;
 #endif
     var albedo: vec3f;
+#ifdef MATERIALS
+    albedo = shading::wall_albedo(point.y);
+#else
     if wall {
         albedo = shading::wall_albedo(point.y);
     } else {
         albedo = shading::ground_albedo(point.xz, depth);
     }
-#ifdef LIGHTING
+#endif
+#ifdef SURFACE_NORMAL
 #ifdef DEEP_ZOOM
     var normal = surface_normal(at_entry, span.axis, place, ray.direction);
 #else
@@ -363,6 +370,15 @@ fn fs_main(in: varyings::Varyings) -> Fragment {
 #ifdef HOLES
     normal = select(normal, normal_across(cut, ray.direction), cut != 3u);
 #endif
+#endif
+#ifdef MATERIALS
+    if !wall {
+        let ground = materials::ground(point, normal, depth, ray.direction);
+        albedo = ground.albedo;
+        normal = ground.normal;
+    }
+#endif
+#ifdef LIGHTING
     albedo = shading::lit(albedo, normal, ray.direction * (-1.0 / length_of_direction));
 #endif
     return Fragment(vec4f(albedo, 1.0), written);

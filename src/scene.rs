@@ -3,6 +3,8 @@
 //! A [`Scene`] can be written to and read from TOML, so a picture can be made again. It knows neither GPU nor
 //! window. Every field has a default; a scene file names only what differs.
 
+mod materials;
+
 use std::path::PathBuf;
 
 use glam::DVec3;
@@ -10,6 +12,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::camera::Camera;
 use crate::heightfield::{ConeKind, Crater, HeightField};
+
+pub use materials::{ColourSource, LevelUnit, MOST_COVERAGE_MAPS, Material, MaterialSettings};
 
 /// Everything that a frame shows.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -26,6 +30,8 @@ pub struct Scene {
     pub compare: CompareSettings,
     /// The ground's colour.
     pub diffuse: DiffuseSettings,
+    /// What the ground is made of, where `diffuse.source` is `materials`.
+    pub materials: MaterialSettings,
     /// The sun and the reflection model.
     pub lighting: LightingSettings,
     /// The skybox.
@@ -190,8 +196,10 @@ impl Default for CompareSettings {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct DiffuseSettings {
-    /// Colour the ground with a texture; otherwise it is a uniform grey.
+    /// Colour the ground; otherwise it is a uniform grey.
     pub enabled: bool,
+    /// Where the colour comes from.
+    pub source: ColourSource,
     /// An image to drape over the terrain. Absent: a texture generated from height and slope.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub file: Option<PathBuf>,
@@ -201,7 +209,7 @@ pub struct DiffuseSettings {
 
 impl Default for DiffuseSettings {
     fn default() -> Self {
-        Self { enabled: true, file: None, repeats: 1.0 }
+        Self { enabled: true, source: ColourSource::default(), file: None, repeats: 1.0 }
     }
 }
 

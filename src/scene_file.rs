@@ -120,7 +120,7 @@ pub fn to_toml(scene: &Scene) -> Result<String, SceneFileError> {
 /// All files that a scene names.
 fn files_mut(scene: &mut Scene) -> impl Iterator<Item = &mut PathBuf> {
     let faces = scene.skybox.faces.iter_mut().flatten();
-    scene.terrain.file.iter_mut().chain(scene.diffuse.file.iter_mut()).chain(faces)
+    scene.terrain.file.iter_mut().chain(scene.diffuse.file.iter_mut()).chain(&mut scene.materials.coverage).chain(faces)
 }
 
 /// Turns the parser's error into one that names the line and, for an unknown word, the nearest valid one.
@@ -156,7 +156,7 @@ fn nearest(word: &str, candidates: &[String]) -> Option<String> {
 /// # Errors
 /// The first field that is not, with its range.
 pub fn validate(scene: &Scene) -> Result<(), OutOfRange> {
-    let Scene { terrain, camera, march, compare, diffuse, lighting, skybox, occluder, debug, craters } = scene;
+    let Scene { terrain, camera, march, compare, diffuse, materials, lighting, skybox, occluder, debug, craters } = scene;
     if let Some(scale) = terrain.height_scale {
         check("terrain.height_scale", scale, HEIGHT_SCALES)?;
     }
@@ -176,6 +176,7 @@ pub fn validate(scene: &Scene) -> Result<(), OutOfRange> {
     check("march.binary_steps", march.binary_steps, 0.0..=f64::from(MOST_HALVINGS))?;
     check("compare.share", compare.share, 0.0..=1.0)?;
     check("diffuse.repeats", diffuse.repeats, SMALLEST..=4096.0)?;
+    materials.validate()?;
     check("lighting.sun_azimuth", lighting.sun_azimuth, -ANGLE..=ANGLE)?;
     check("lighting.sun_elevation", lighting.sun_elevation, -90.0..=90.0)?;
     check("lighting.ambient", lighting.ambient, 0.0..=100.0)?;
@@ -254,7 +255,7 @@ fn check_crater(radius: f64, depth: f64, rim: f64) -> Result<(), OutOfRange> {
 }
 
 /// Checks one number; NaN is inside no range.
-fn check(field: &str, value: impl Into<f64>, range: RangeInclusive<f64>) -> Result<(), OutOfRange> {
+pub(crate) fn check(field: &str, value: impl Into<f64>, range: RangeInclusive<f64>) -> Result<(), OutOfRange> {
     let value = value.into();
     if range.contains(&value) {
         return Ok(());

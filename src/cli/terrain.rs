@@ -14,7 +14,7 @@ use crate::camera::{Camera, NamedView};
 use crate::gpu::Gpu;
 use crate::heightfield::import::{ImportOptions, Listener};
 use crate::heightfield::{HeightField, LoadError, Loaded, load};
-use crate::scene::Scene;
+use crate::scene::{ColourSource, Scene};
 use crate::scene_file;
 
 /// The height map that opens when none is named, so that the binary needs no files beside it.
@@ -173,6 +173,11 @@ pub(crate) fn compose(args: &SceneArgs) -> Result<Scene, Failure> {
 
     scene.diffuse.enabled = (scene.diffuse.enabled || args.texture.is_some()) && !args.no_texture;
     set_some(&mut scene.diffuse.file, args.texture.clone());
+    if !args.coverage.is_empty() {
+        scene.materials.coverage.clone_from(&args.coverage);
+        scene.diffuse.source = ColourSource::Materials;
+    }
+    set(&mut scene.diffuse.source, args.colour);
     set(&mut scene.diffuse.repeats, args.repeats);
     scene.lighting.enabled &= !args.no_lighting;
     if let Some([azimuth, elevation]) = args.sun {

@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 use crate::gpu::{DEPTH_CLEAR, DEPTH_FORMAT, Gpu, ShaderError, ShaderSources};
 
 use super::frame::FrameBindings;
+use super::materials;
 use super::pipelines::{Built, PassDescription, PipelineKey, build};
 
 /// How often it is looked whether a driver has done its part, and for how long.
@@ -50,6 +51,10 @@ impl Compilation {
     pub(crate) fn build(&self, go_on: &dyn Fn() -> bool) -> Result<Compiled, ShaderError> {
         let wanted = self.keys.iter().take_while(|_| go_on());
         let built = wanted.map(|&key| {
+            // Made here, so that the frame that first shows them does not.
+            if matches!(key, PipelineKey::Terrain(key) if key.materials.on) {
+                materials::make_ready();
+            }
             let built = build(&self.gpu, &self.sources, &self.frame.layout, key.describe())?;
             Ok((key, Arc::new(built)))
         });

@@ -19,6 +19,7 @@ mod heat_map;
 mod ledger;
 #[cfg(test)]
 mod loops_tests;
+mod materials;
 mod mips;
 mod occluder;
 mod pipelines;
@@ -58,6 +59,7 @@ use drape::Drape;
 use frame::FrameBindings;
 pub(crate) use frame::ray_start;
 use ground::Ground;
+use materials::Materials;
 use occluder::CubeBindings;
 use pipelines::{PipelineKey, Pipelines};
 use prepare::{Aim, Draw, Passes};
@@ -82,6 +84,7 @@ pub struct Renderer {
     wireframe: CubeBindings,
     ground: Option<Ground>,
     drape: Option<Drape>,
+    materials: Option<Materials>,
     skybox: Option<Skybox>,
     beams: Option<Beams>,
     /// Exact distances that a frame of the error view finds itself.
@@ -144,6 +147,7 @@ impl Renderer {
             wireframe: CubeBindings::new(&gpu, "wireframe"),
             ground: None,
             drape: None,
+            materials: None,
             skybox: None,
             beams: None,
             exact: None,
@@ -384,6 +388,7 @@ impl Renderer {
             ground.list(&mut textures);
         }
         textures.extend(self.drape.as_ref().and_then(Drape::entry));
+        textures.extend(self.materials.iter().flat_map(Materials::list));
         textures.extend(self.skybox.as_ref().map(Skybox::entry));
         textures.extend(self.beams.iter().flat_map(Beams::entries));
         textures.extend(self.exact.as_ref().or(self.reference.as_ref()).map(ExactDistances::entry));

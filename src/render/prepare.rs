@@ -17,6 +17,7 @@ use super::cube::{as_f32, clip_corners, in_view};
 use super::distances::ExactDistances;
 use super::frame::FrameUniform;
 use super::ground::Ground;
+use super::materials::Materials;
 use super::pipelines::{Built, PipelineKey};
 use super::skybox::Skybox;
 use super::split::{Area, Side, sides};
@@ -96,6 +97,9 @@ impl Renderer {
                 self.uploaded += self.drape.as_mut().map_or(0, |drape| drape.update(&self.gpu, field, rect));
             }
             self.uploaded += ground.take_uploaded();
+        }
+        if !probe {
+            self.prepare_materials(scene, &view, terrains.iter().any(|(_, key)| key.materials.on))?;
         }
         let frame = FrameUniform::new(&view.camera, size, view.extent, scene.skybox.flattening);
         self.frame.write(&self.gpu, &frame);
@@ -287,6 +291,18 @@ impl Renderer {
         Ok(())
     }
 
+    /// Keeps the materials' textures while a frame shows them.
+    fn prepare_materials(&mut self, scene: &Scene, view: &View, shown: bool) -> Result<(), RenderError> {
+        let Some(ground) = self.ground.as_ref().filter(|_| shown) else {
+            self.materials = None;
+            return Ok(());
+        };
+        let materials = self.materials.get_or_insert_with(|| Materials::new(&self.gpu));
+        let result = materials.prepare(&self.gpu, scene, ground, view.extent);
+        self.uploaded += materials.take_uploaded();
+        result
+    }
+
     fn prepare_skybox(&mut self, scene: &Scene) -> Result<(), RenderError> {
         // In the error view the sky is where nothing is wrong: it must not look like anything.
         if !scene.skybox.enabled || scene.debug.view == DebugView::Error {
@@ -350,6 +366,7 @@ impl Renderer {
         let textures = Textures {
             ground,
             drape: self.drape.as_ref(),
+            materials: self.materials.as_ref(),
             beams: self.beams.as_ref(),
             given: if let Aim::Given(distances) = aim { Some(distances) } else { None },
             exact: self.reference.as_ref().or(self.exact.as_ref()).map(ExactDistances::view),

@@ -11,6 +11,7 @@ use super::cube::corner;
 use super::drape::Drape;
 use super::frame::{corner_sampler_entry, sampler_entry, texture_entry, uniform_buffer, uniform_entry};
 use super::ground::Ground;
+use super::materials::{self, Materials};
 use super::pipelines::{Built, PassDescription};
 
 pub(super) use super::terrain_key::{Output, TerrainKey};
@@ -78,6 +79,10 @@ pub(super) fn describe(key: TerrainKey) -> PassDescription {
     if key.diffuse {
         bindings.extend([texture_entry(5, true, false), sampler_entry(6)]);
     }
+    if key.materials.on {
+        modules.push("materials.wgsl");
+        bindings.extend(materials::layout_entries(key.materials));
+    }
     let defs = key.defs();
     PassDescription {
         name: format!("{name} [{}]", defs.join(" ")),
@@ -133,6 +138,7 @@ pub(super) fn whole_picture() -> [DVec4; 8] {
 pub(super) struct Textures<'a> {
     pub(super) ground: &'a Ground,
     pub(super) drape: Option<&'a Drape>,
+    pub(super) materials: Option<&'a Materials>,
     pub(super) beams: Option<&'a Beams>,
     /// Distances to read instead of casting rays.
     pub(super) given: Option<&'a wgpu::TextureView>,
@@ -191,7 +197,7 @@ impl TerrainBindings {
         uniform: &TerrainUniform,
         textures: &Textures<'_>,
     ) -> Option<wgpu::BindGroup> {
-        let &Textures { ground, drape, beams, given, exact } = textures;
+        let &Textures { ground, drape, materials, beams, given, exact } = textures;
         gpu.queue.write_buffer(&self.buffer, 0, bytemuck::bytes_of(uniform));
         let view = wgpu::BindingResource::TextureView;
         let mut entries = vec![(0, self.buffer.as_entire_binding())];
@@ -222,6 +228,9 @@ impl TerrainBindings {
         if key.diffuse {
             let sampler = if uniform.repeats > 1.0 { &self.repeated } else { &self.clamped };
             entries.extend([(5, view(drape?.view()?)), (6, wgpu::BindingResource::Sampler(sampler))]);
+        }
+        if key.materials.on {
+            entries.extend(materials?.entries(key.materials)?);
         }
         Some(bind(gpu, built, entries))
     }

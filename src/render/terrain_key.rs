@@ -1,7 +1,9 @@
 //! Which pipeline a scene needs for its terrain.
 
 use crate::heightfield::ConeKind;
-use crate::scene::{CraterMode, DebugView, HeightFilter, Scene, Technique};
+use crate::scene::{ColourSource, CraterMode, DebugView, HeightFilter, Scene, Technique};
+
+use super::materials::MaterialsKey;
 
 /// What the pass writes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -23,6 +25,7 @@ pub(super) struct TerrainKey {
     pub(super) discard_misses: bool,
     pub(super) lighting: bool,
     pub(super) diffuse: bool,
+    pub(super) materials: MaterialsKey,
     pub(super) layered: bool,
     /// Hits are read from a texture of distances, and no ray is cast.
     pub(super) given: bool,
@@ -52,7 +55,8 @@ impl TerrainKey {
             // A miss is an error to be shown, whatever a picture would show in its place.
             discard_misses: march.discard_misses || output == Output::View(DebugView::Error),
             lighting: shaded && scene.lighting.enabled,
-            diffuse: shaded && scene.diffuse.enabled,
+            diffuse: shaded && scene.diffuse.enabled && scene.diffuse.source == ColourSource::Texture,
+            materials: if shaded { MaterialsKey::of(scene) } else { MaterialsKey::default() },
             layered: scene.craters.mode == CraterMode::Layered && !scene.craters.list.is_empty(),
             given: false,
             holes: false,
@@ -110,7 +114,7 @@ impl TerrainKey {
     }
 
     fn needs_normals(&self) -> bool {
-        self.lighting || self.output == Output::View(DebugView::Normals)
+        self.lighting || self.materials.on || self.output == Output::View(DebugView::Normals)
     }
 
     /// Whether hits are compared with the exact distances.
@@ -142,6 +146,7 @@ impl TerrainKey {
             discard_misses: false,
             lighting: false,
             diffuse: false,
+            materials: MaterialsKey::default(),
             layered: false,
             given: false,
             holes: false,
@@ -183,12 +188,33 @@ impl TerrainKey {
                 keys.extend(found.into_iter().flat_map(|key| [key, key.over_holes(true)]));
             }
         }
+        keys.extend(Self::some_with_materials());
         keys.into_iter().collect()
+    }
+
+    /// Each way to paint materials, under a few of the ways to find and light the ground.
+    #[cfg(test)]
+    fn some_with_materials() -> impl Iterator<Item = Self> {
+        let mut scene = Scene::default();
+        scene.diffuse.enabled = false;
+        let base = Self::of(&scene, false);
+        let bases = [
+            base,
+            base.in_a_deep_zoom(true),
+            base.over_holes(true),
+            base.in_a_deep_zoom(true).over_holes(true),
+            base.with_given_distances(),
+            Self { technique: Technique::Linear, ..base },
+        ];
+        bases.into_iter().flat_map(|base| {
+            let unlit = |key: MaterialsKey| Self { lighting: base.lighting && key.relief, materials: key, ..base };
+            MaterialsKey::all().map(unlit)
+        })
     }
 
     pub(super) fn defs(&self) -> Vec<&'static str> {
         let shaded = self.output == Output::View(DebugView::None);
-        [
+        let own = [
             (self.filter == HeightFilter::HardwareLinear, "FILTER_HARDWARE_LINEAR"),
             (self.filters_heights(), "HEIGHT_SAMPLER"),
             (self.filter == HeightFilter::Nearest, "FILTER_NEAREST"),
@@ -210,10 +236,8 @@ impl TerrainKey {
             (self.needs_exact_distances(), "VIEW_ERROR"),
             (self.output == Output::View(DebugView::Normals), "VIEW_NORMALS"),
             (self.output == Output::View(DebugView::Distance), "VIEW_DISTANCE"),
-        ]
-        .into_iter()
-        .filter_map(|(on, def)| on.then_some(def))
-        .collect()
+        ];
+        own.into_iter().filter_map(|(on, def)| on.then_some(def)).chain(self.materials.defs()).collect()
     }
 
     pub(super) fn march_file(&self) -> &'static str {
