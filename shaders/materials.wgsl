@@ -70,8 +70,8 @@ struct Footprint {
 }
 
 // Two numbers from 0 to 1 for a patch (PCG2D: Jarzynski and Olano 2020, "Hash functions for GPU rendering").
-fn place_of_patch(patch: vec2f) -> vec2f {
-    var v = bitcast<vec2u>(vec2i(patch));
+fn place_of_patch(number: vec2f) -> vec2f {
+    var v = bitcast<vec2u>(vec2i(number));
     v = v * 1664525u + 1013904223u;
     v.x += v.y * 1664525u;
     v.y += v.x * 1664525u;
