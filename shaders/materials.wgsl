@@ -22,7 +22,7 @@ struct Materials {
     slopes: vec4f,
     // Repeats per world unit of the fine, middle and broad textures, and half the width of levels' transitions.
     repeats: vec4f,
-    // Strength of the relief; then padding.
+    // Strength of the relief, and how much strata show; then padding.
     relief: vec4f,
 }
 
@@ -45,8 +45,8 @@ const MATERIALS: u32 = 6u;
 const CLIFF: i32 = 6;
 const BROAD: i32 = 7;
 
-// A weight below this is not worth a texture's read.
-const NEGLIGIBLE: f32 = 0.02;
+// A share below this is not worth its textures' reads.
+const NEGLIGIBLE: f32 = 0.06;
 
 // Repeats under a pixel from which a texture shows nothing but its mean.
 const BLURRED: f32 = 0.3;
@@ -83,29 +83,32 @@ fn place_of_patch(number: vec2f) -> vec2f {
 }
 
 // A texture of a layer at `uv`, in repeats, in patches. `shift` says along which axes patches are displaced.
+//
+// Here and below, what is read is counted first and then read in a loop: a software rasteriser skips no branch that none
+// of its lanes takes, but it does end a loop.
 fn patched(layer: i32, uv: vec2f, right: vec2f, down: vec2f, shift: vec2f) -> vec4f {
     let skewed = vec2f(uv.x - 0.57735027 * uv.y, 1.15470054 * uv.y) * PATCHES;
     let base = floor(skewed);
     let f = skewed - base;
     let upper = f.x + f.y > 1.0;
     let shares = select(vec3f(1.0 - f.x - f.y, f.y, f.x), vec3f(f.x + f.y - 1.0, 1.0 - f.y, 1.0 - f.x), upper);
-    // Narrow transitions keep what the texture shows.
-    let sharp = shares * shares * shares;
+    // Narrow transitions keep what the texture shows, and most places read one patch or two.
+    let above = max(shares - 0.22, vec3f(0.0));
+    let sharp = above * above * above;
     let weights = sharp / (sharp.x + sharp.y + sharp.z);
     let corner = select(vec2f(0.0), vec2f(1.0), upper);
     let second = select(vec2f(0.0, 1.0), vec2f(1.0, 0.0), upper);
+    let count = u32(weights.x > 0.0) + u32(weights.y > 0.0) + u32(weights.z > 0.0);
+    var left = weights;
     var sum = vec4f(0.0);
-    if weights.x > NEGLIGIBLE {
-        let offset = place_of_patch(base + corner) * shift;
-        sum += weights.x * textureSampleGrad(material_textures, material_sampler, uv + offset, layer, right, down);
-    }
-    if weights.y > NEGLIGIBLE {
-        let offset = place_of_patch(base + second) * shift;
-        sum += weights.y * textureSampleGrad(material_textures, material_sampler, uv + offset, layer, right, down);
-    }
-    if weights.z > NEGLIGIBLE {
-        let offset = place_of_patch(base + 1.0 - second) * shift;
-        sum += weights.z * textureSampleGrad(material_textures, material_sampler, uv + offset, layer, right, down);
+    for (var read = 0u; read < min(count, 3u); read += 1u) {
+        let most = max(left.x, max(left.y, left.z));
+        let is_first = left.x == most;
+        let is_second = !is_first && left.y == most;
+        let number = base + select(select(1.0 - second, second, is_second), corner, is_first);
+        left = select(left, vec3f(0.0), vec3<bool>(is_first, is_second, !is_first && !is_second));
+        let place = uv + place_of_patch(number) * shift;
+        sum += most * textureSampleGrad(material_textures, material_sampler, place, layer, right, down);
     }
     // Blending takes variance away; this gives it back. Means are 0.
     return sum * inverseSqrt(dot(weights, weights));
@@ -113,21 +116,19 @@ fn patched(layer: i32, uv: vec2f, right: vec2f, down: vec2f, shift: vec2f) -> ve
 
 // Middle and fine texture of a layer at a place of one of the three planes, world units.
 fn two_scales(layer: i32, uv: vec2f, right: vec2f, down: vec2f, width: f32, shift: vec2f) -> vec4f {
+    let repeats = materials.repeats.yx;
+    let shown = 1.0 - smoothstep(vec2f(0.5 * BLURRED), vec2f(BLURRED), width * repeats);
+    let count = u32(shown.x > 0.0) + u32(shown.y > 0.0);
     var sum = vec4f(0.0);
-    let middle = materials.repeats.y;
-    let middle_share = 1.0 - smoothstep(0.5 * BLURRED, BLURRED, width * middle);
-    if middle_share > 0.0 {
-        sum += middle_share * patched(layer, uv * middle, right * middle, down * middle, shift);
-    }
-    let fine = materials.repeats.x;
-    let fine_share = 1.0 - smoothstep(0.5 * BLURRED, BLURRED, width * fine);
-    if fine_share > 0.0 {
-        // Turned against the middle one, so that what is large in the one does not lie on itself in the other. Strata stay
-        // level.
-        let turn = select(vec2f(0.8, 0.6), vec2f(1.0, 0.0), layer == CLIFF);
+    for (var scale = 0u; scale < min(count, 2u); scale += 1u) {
+        let is_fine = scale == 1u;
+        let repeat = select(repeats.x, repeats.y, is_fine);
+        // The fine one is turned against the middle one, so that what is large in the one does not lie on itself in the
+        // other. Strata stay level.
+        let turn = select(vec2f(1.0, 0.0), vec2f(0.8, 0.6), is_fine && layer != CLIFF) * repeat;
         let turned = mat2x2f(turn.x, turn.y, -turn.y, turn.x);
-        let texel = patched(layer, turned * uv * fine, turned * right * fine, turned * down * fine, shift);
-        sum += fine_share * vec4f(texel.xy * turned, texel.zw);
+        let texel = patched(layer, turned * uv, turned * right, turned * down, shift);
+        sum += select(shown.x, shown.y, is_fine) * vec4f(texel.xy * turned / repeat, texel.zw);
     }
     return sum;
 }
@@ -139,26 +140,36 @@ struct Texel {
     tint: f32,
 }
 
+// The planes across the axes are weighed by `planes`, of which one or two are above 0.
 fn texel_of(material: u32, print: Footprint, planes: vec3f) -> Texel {
-    var texel = Texel(vec3f(0.0), 0.0, 0.0);
-    let layer = i32(material);
-    if planes.y > NEGLIGIBLE {
-        let one = planes.y * two_scales(layer, print.at.xz, print.right.xz, print.down.xz, print.width, vec2f(1.0));
-        texel = Texel(vec3f(one.x, 0.0, one.y), one.z, one.w);
-    }
-    // Strata lie level: their patches are displaced along them only.
     let is_rock = material == ROCK;
-    let side = select(layer, CLIFF, is_rock);
-    let shift = select(vec2f(1.0), vec2f(1.0, 0.0), is_rock);
-    if planes.x > NEGLIGIBLE {
-        let one = planes.x * two_scales(side, print.at.zy, print.right.zy, print.down.zy, print.width, shift);
-        texel = Texel(texel.gradient + vec3f(0.0, one.y, one.x), texel.height + one.z, texel.tint + one.w);
-    }
-    if planes.z > NEGLIGIBLE {
-        let one = planes.z * two_scales(side, print.at.xy, print.right.xy, print.down.xy, print.width, shift);
-        texel = Texel(texel.gradient + vec3f(one.x, one.y, 0.0), texel.height + one.z, texel.tint + one.w);
+    let count = u32(planes.x > 0.0) + u32(planes.y > 0.0) + u32(planes.z > 0.0);
+    var left = planes;
+    var texel = Texel(vec3f(0.0), 0.0, 0.0);
+    for (var plane = 0u; plane < min(count, 2u); plane += 1u) {
+        let most = max(left.x, max(left.y, left.z));
+        let across_y = left.y == most;
+        let across_x = !across_y && left.x == most;
+        left = select(left, vec3f(0.0), vec3<bool>(across_x, across_y, !across_x && !across_y));
+        let at = on_plane(print.at, across_x, across_y);
+        let right = on_plane(print.right, across_x, across_y);
+        let down = on_plane(print.down, across_x, across_y);
+        // Strata lie level: their patches are displaced along them only.
+        let is_cliff = is_rock && !across_y;
+        let layer = select(i32(material), CLIFF, is_cliff);
+        let shown = most * select(vec4f(1.0), vec4f(vec3f(0.4 + 0.6 * materials.relief.y), materials.relief.y), is_cliff);
+        let one = shown * two_scales(layer, at, right, down, print.width, vec2f(1.0, f32(!is_cliff)));
+        let across = select(vec3f(one.xy, 0.0), vec3f(0.0, one.yx), across_x);
+        texel.gradient += select(across, vec3f(one.x, 0.0, one.y), across_y);
+        texel.height += one.z;
+        texel.tint += one.w;
     }
     return texel;
+}
+
+// The two coordinates of a plane across one of the axes; z where it is neither of the others.
+fn on_plane(p: vec3f, across_x: bool, across_y: bool) -> vec2f {
+    return select(select(p.xy, p.zy, across_x), p.xz, across_y);
 }
 
 fn rises(from_level: f32, half_width: f32, value: f32) -> f32 {
@@ -216,7 +227,10 @@ fn ground(point: vec3f, normal: vec3f, depth: f32, direction: vec3f) -> Ground {
     let wide = materials.repeats.z;
     let near = patched(BROAD, at.xz * wide, right.xz * wide, down.xz * wide, vec2f(1.0));
     let wider = 0.21 * wide;
-    let far = patched(BROAD, at.zx * wider, right.zx * wider, down.zx * wider, vec2f(1.0));
+    // Turned, and repeated too seldom for its repeats to be seen.
+    let far = textureSampleGrad(
+        material_textures, material_sampler, at.zx * wider + 0.37, BROAD, right.zx * wider, down.zx * wider,
+    );
     let broad = 0.75 * near + 0.6 * far;
 
     var shares = shares_by_slope(at.y, normal, broad);
@@ -224,28 +238,41 @@ fn ground(point: vec3f, normal: vec3f, depth: f32, direction: vec3f) -> Ground {
     let to_map = 1.0 / terrain.size.xz;
     shares = shares_by_maps(at.xz * to_map, right.xz * to_map, down.xz * to_map, shares);
 #endif
-    // From above where the ground is gentle; the sharper the turn, the less of it is a blur of two planes.
-    let steep = max(abs(normal) - vec3f(0.3, 0.1, 0.3), vec3f(0.0));
+    // From above where the ground is gentle, else along two of the axes (Quilez 2020, "Biplanar mapping").
+    let away = abs(normal) - vec3f(0.1, 0.0, 0.1);
+    let least = min(away.x, min(away.y, away.z));
+    let steep = max(away - max(least, 0.6 * max(away.x, max(away.y, away.z))), vec3f(0.0));
     let cubes = steep * steep * steep;
     let planes = cubes / (cubes.x + cubes.y + cubes.z);
 
+    var count = 0u;
+    for (var material = 0u; material < MATERIALS; material += 1u) {
+        shares[material] -= NEGLIGIBLE;
+        count += u32(shares[material] > 0.0);
+    }
     var sum = 0.0;
     var albedo = vec3f(0.0);
     var gradient = vec3f(0.0);
-    for (var material = 0u; material < MATERIALS; material += 1u) {
-        let share = shares[material];
-        if share > NEGLIGIBLE {
-            let texel = texel_of(material, print, planes);
-            let dark = materials.dark[material];
-            let light = materials.light[material];
-            let tint = clamp(0.5 + 0.5 * (texel.tint + light.w * broad.w), 0.0, 1.0);
-            let colour = mix(dark.rgb, light.rgb, tint) * max(1.0 + dark.w * texel.height, 0.15);
-            // What stands out of one material shows first through the other.
-            let weight = share * share * exp2(4.0 * texel.height);
-            sum += weight;
-            albedo += weight * colour;
-            gradient += weight * texel.gradient;
+    for (var part = 0u; part < min(count, MATERIALS); part += 1u) {
+        // The one with the largest share that is left.
+        var material = 0u;
+        var share = shares[0];
+        for (var other = 1u; other < MATERIALS; other += 1u) {
+            let larger = shares[other] > share;
+            material = select(material, other, larger);
+            share = select(share, shares[other], larger);
         }
+        shares[material] = 0.0;
+        let texel = texel_of(material, print, planes);
+        let dark = materials.dark[material];
+        let light = materials.light[material];
+        let tint = clamp(0.5 + 0.5 * (texel.tint + light.w * broad.w), 0.0, 1.0);
+        let colour = mix(dark.rgb, light.rgb, tint) * max(1.0 + dark.w * texel.height, 0.15);
+        // What stands out of one material shows first through the other.
+        let weight = share * share * exp2(4.0 * texel.height);
+        sum += weight;
+        albedo += weight * colour;
+        gradient += weight * texel.gradient;
     }
     albedo /= sum;
 #ifdef MATERIALS_RELIEF

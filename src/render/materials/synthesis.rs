@@ -122,17 +122,20 @@ fn grass(at: [f32; 2]) -> [f32; 2] {
     [0.45 * clumps + 0.9 * bush + 0.5 * tufts + 0.35 * blades, 0.9 * clumps - 1.3 * bush + 0.25 * blades + 0.3 * tufts]
 }
 
-/// Blocks between cracks, with rough faces.
+/// Crags: creases and slanting faces, split by a few clefts.
 fn rock(at: [f32; 2]) -> [f32; 2] {
-    let moved = warped(21, [5, 5], 0.05, at);
-    let (large, small) = (cells(22, [7, 7], moved), cells(23, [23, 23], warped(24, [12, 12], 0.02, at)));
-    let crack = |cells: super::noise::Cells, width: f32| smooth(0.0, width, cells.second - cells.nearest);
-    let faces = 0.8 * large.own + 0.6 * large.tilt + 0.35 * small.own + 0.35 * small.tilt;
-    let crest = ridged(25, [4, 4], 6, 0.62, moved);
-    let grain = fractal(26, [48, 48], 4, 0.7, at);
-    let height = faces + 0.5 * crack(large, 0.14) + 0.35 * crack(small, 0.16) + 0.9 * crest + 0.22 * grain;
-    let lichen = smooth(0.2, 0.7, fractal(27, [9, 9], 5, 0.65, at));
-    [height, 0.5 * large.own + 0.3 * small.own + 0.8 * fractal(28, [3, 3], 5, 0.6, at) + 0.15 * grain - 0.5 * lichen]
+    let moved = warped(21, [4, 4], 0.09, at);
+    let torn = warped(24, [9, 9], 0.045, moved);
+    let (large, small) = (cells(22, [5, 8], moved), cells(23, [19, 27], torn));
+    let cleft = smooth(0.0, 0.07, large.second - large.nearest);
+    let faces = 0.45 * large.tilt + 0.3 * large.own + 0.4 * small.tilt + 0.3 * small.own;
+    let crest = ridged(25, [3, 4], 7, 0.66, moved);
+    let slabs = ridged(29, [7, 3], 5, 0.6, torn);
+    let grain = fractal(26, [40, 40], 4, 0.75, at);
+    let height = faces + 0.22 * cleft + 1.25 * crest + 0.6 * slabs + 0.2 * grain;
+    let lichen = smooth(0.1, 0.8, fractal(27, [9, 9], 5, 0.65, at));
+    let tint = 0.25 * large.own + 0.25 * small.own + 0.8 * fractal(28, [3, 3], 6, 0.62, torn) + 0.4 * crest;
+    [height, tint + 0.2 * grain - 0.4 * lichen]
 }
 
 /// Stones of three sizes, heaped.

@@ -22,12 +22,14 @@ pub(crate) struct MaterialsUniform {
     pub(crate) slopes: [f32; 4],
     /// Repeats per world unit of the fine, middle and broad textures, and half the width of levels' transitions.
     pub(crate) repeats: [f32; 4],
-    /// Strength of the relief; then padding.
+    /// Strength of the relief, and how much strata show; then padding.
     pub(crate) relief: [f32; 4],
 }
 
 /// How much farther the middle and the broad texture repeat than the fine one.
 const COARSER: [f64; 2] = [7.3, 53.0];
+/// How much strata show in a moist and in a dry land.
+const STRATA: [f32; 2] = [0.35, 1.0];
 /// Half the usual width of a slope's transition, radians, and of a level's, as a share of the map's height.
 const SLOPE_BLEND: f32 = 0.075;
 const LEVEL_BLEND: f32 = 0.03;
@@ -48,14 +50,14 @@ const fn rgb(r: f32, g: f32, b: f32) -> Vec3 {
 const LOOKS: [Look; 6] = [
     // Grass: from dark woods to dry meadow.
     Look {
-        moist: [rgb(44.0, 56.0, 30.0), rgb(126.0, 124.0, 70.0)],
-        dry: [rgb(98.0, 96.0, 62.0), rgb(190.0, 160.0, 114.0)],
+        moist: [rgb(40.0, 50.0, 32.0), rgb(124.0, 119.0, 78.0)],
+        dry: [rgb(112.0, 96.0, 68.0), rgb(196.0, 160.0, 116.0)],
         contrast: 0.5,
         shift: 0.9,
     },
     // Rock.
     Look {
-        moist: [rgb(84.0, 80.0, 76.0), rgb(148.0, 142.0, 133.0)],
+        moist: [rgb(86.0, 82.0, 78.0), rgb(158.0, 152.0, 143.0)],
         dry: [rgb(126.0, 74.0, 52.0), rgb(214.0, 168.0, 128.0)],
         contrast: 0.62,
         shift: 0.5,
@@ -114,7 +116,7 @@ impl MaterialsUniform {
                 (fine / COARSER[1]) as f32,
                 (LEVEL_BLEND * softness * extent.y as f32).max(1e-9),
             ],
-            relief: [settings.relief, 0.0, 0.0, 0.0],
+            relief: [settings.relief, STRATA[0] + (STRATA[1] - STRATA[0]) * settings.aridity, 0.0, 0.0],
         }))
     }
 }
