@@ -76,10 +76,18 @@ pub enum Technique {
     /// Exact: maximum mipmap traversal with bilinear leaves (Tevs, Ihrke, Seidel 2008, made exact).
     #[default]
     MaxMipmap,
+    /// Another surface: the biquadratic B-spline of the samples, whose slope is continuous. The same walk, and in each cell
+    /// the crossing to f32's precision ([`crate::heightfield::smooth`]). The map must have no holes.
+    Smooth,
 }
 
 impl Technique {
-    /// All techniques, in the order of the documentation.
+    /// Everything that a scene can choose: [`Self::ALL`], and `smooth`.
+    pub const CHOICES: [Self; 7] =
+        [Self::Linear, Self::LinearBinary, Self::Secant, Self::Cone, Self::RelaxedCone, Self::MaxMipmap, Self::Smooth];
+
+    /// All techniques for the bilinear surface, in the order of the documentation. They are what is measured against each
+    /// other.
     pub const ALL: [Self; 6] =
         [Self::Linear, Self::LinearBinary, Self::Secant, Self::Cone, Self::RelaxedCone, Self::MaxMipmap];
 
@@ -92,6 +100,7 @@ impl Technique {
             Self::Cone => "cone",
             Self::RelaxedCone => "relaxed-cone",
             Self::MaxMipmap => "max-mipmap",
+            Self::Smooth => "smooth",
         }
     }
 
@@ -102,7 +111,12 @@ impl Technique {
 
     /// Whether sample counts matter: they are the uniform steps, or the most steps along cones.
     pub fn counts_samples(self) -> bool {
-        self != Self::MaxMipmap
+        !self.walks_pyramid()
+    }
+
+    /// Whether it walks a pyramid of maxima, and so finds its surface wherever it is.
+    pub fn walks_pyramid(self) -> bool {
+        matches!(self, Self::MaxMipmap | Self::Smooth)
     }
 
     /// Whether it ends with halvings, so that their number matters.
@@ -115,7 +129,7 @@ impl Technique {
         match self {
             Self::Cone => Some(ConeKind::Cone),
             Self::RelaxedCone => Some(ConeKind::Relaxed),
-            Self::Linear | Self::LinearBinary | Self::Secant | Self::MaxMipmap => None,
+            Self::Linear | Self::LinearBinary | Self::Secant | Self::MaxMipmap | Self::Smooth => None,
         }
     }
 }

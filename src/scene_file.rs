@@ -156,7 +156,8 @@ fn nearest(word: &str, candidates: &[String]) -> Option<String> {
 /// # Errors
 /// The first field that is not, with its range.
 pub fn validate(scene: &Scene) -> Result<(), OutOfRange> {
-    let Scene { terrain, camera, march, compare, diffuse, materials, lighting, skybox, occluder, debug, craters } = scene;
+    let Scene { terrain, camera, march, compare, diffuse, materials, lighting, skybox, occluder, debug, craters } =
+        scene;
     if let Some(scale) = terrain.height_scale {
         check("terrain.height_scale", scale, HEIGHT_SCALES)?;
     }

@@ -14,7 +14,7 @@ use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ImageEncoder, Rgb, RgbImage, Rgba, RgbaImage};
 use relief::camera::NamedView;
 use relief::heightfield::{Crater, HeightField};
-use relief::scene::{CraterMode, DebugView, HeightFilter, Scene, Technique};
+use relief::scene::{ColourSource, CraterMode, DebugView, HeightFilter, Scene, Technique};
 
 /// Another version of the driver may round another way; more than this is another picture.
 const TOLERANCE: Tolerance = Tolerance { channel: 8, pixels: 0.002 };
@@ -65,6 +65,7 @@ fn march_cases(map: &HeightField, start: &Scene) -> Vec<Case> {
     summit.march.steps_by_angle = false;
     let mut cut = summit.clone();
     cut.craters.list = vec![crater_on_the_summit(map)];
+    let near = scene_from(map, [0.42, 0.72, 0.52], [0.46, 0.35, 0.45], 50.0);
     let few = |scene: &mut Scene, technique, halvings| {
         scene.march.technique = technique;
         (scene.march.samples_min, scene.march.samples_max) = (4, 12);
@@ -107,12 +108,13 @@ fn march_cases(map: &HeightField, start: &Scene) -> Vec<Case> {
             scene.march.samples_max = 64;
             scene.debug.view = DebugView::Error;
         }),
+        case("smooth", &near, |scene| scene.march.technique = Technique::Smooth),
         case("misses-kept", start, |scene| scene.march.discard_misses = false),
         case("height-scale", start, |scene| scene.terrain.height_scale = Some(0.25)),
     ]
 }
 
-fn colour_cases(start: &Scene) -> Vec<Case> {
+fn colour_cases(map: &HeightField, start: &Scene) -> Vec<Case> {
     let texture = scratch_file("golden-checker.png");
     checker([230, 190, 60], [40, 70, 140]).save(&texture).unwrap();
     vec![
@@ -130,6 +132,18 @@ fn colour_cases(start: &Scene) -> Vec<Case> {
         case("specular-only", start, |scene| {
             (scene.lighting.ambient, scene.lighting.diffuse, scene.lighting.specular) = (0.0, 0.0, 1.0);
             scene.lighting.sun_azimuth = 0.0;
+        }),
+        case("materials", start, |scene| {
+            scene.diffuse.source = ColourSource::Materials;
+            scene.materials.aridity = 0.8;
+        }),
+        case("materials-lush-and-cold", start, |scene| {
+            scene.diffuse.source = ColourSource::Materials;
+            scene.terrain.height_scale = Some(0.15);
+        }),
+        case("materials-cliff", &scene_at(NamedView::Valley, map), |scene| {
+            scene.diffuse.source = ColourSource::Materials;
+            scene.materials.aridity = 0.8;
         }),
         case("skybox-off", start, |scene| scene.skybox.enabled = false),
         case("skybox-images", start, |scene| scene.skybox.faces = Some(sky_faces())),
@@ -171,7 +185,7 @@ fn thing_cases(map: &HeightField, start: &Scene) -> Vec<Case> {
 
 fn cases(map: &HeightField) -> Vec<Case> {
     let start = scene_at(NamedView::Start, map);
-    march_cases(map, &start).into_iter().chain(colour_cases(&start)).chain(thing_cases(map, &start)).collect()
+    march_cases(map, &start).into_iter().chain(colour_cases(map, &start)).chain(thing_cases(map, &start)).collect()
 }
 
 /// As small as PNG gets: opaque, so without alpha.

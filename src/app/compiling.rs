@@ -193,7 +193,8 @@ fn stand_ins(wanted: &Scene, shown: &Scene) -> [Scene; 2] {
     (near.march, near.debug) = (shown.march.clone(), shown.debug.clone());
     (near.compare.enabled, near.compare.technique) = (shown.compare.enabled, shown.compare.technique);
     near.lighting.enabled = shown.lighting.enabled;
-    near.diffuse.enabled = shown.diffuse.enabled;
+    (near.diffuse.enabled, near.diffuse.source) = (shown.diffuse.enabled, shown.diffuse.source);
+    near.materials.clone_from(&shown.materials);
     near.skybox.enabled = shown.skybox.enabled;
     near.occluder.enabled = shown.occluder.enabled;
     // Where the craters need pipelines, too, the old ones stay.

@@ -17,6 +17,7 @@ mod pyramid;
 pub mod reference;
 pub mod save;
 mod sidecar;
+pub mod smooth;
 #[cfg(test)]
 mod testing;
 
@@ -29,3 +30,4 @@ pub use holes::{HoleMask, Holes};
 pub use load::{LoadError, Loaded};
 pub use pyramid::{MaxPyramid, NodeRect, PyramidLevel};
 pub use sidecar::Sidecar;
+pub use smooth::SmoothBounds;

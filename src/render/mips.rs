@@ -168,10 +168,7 @@ impl Image {
     }
 
     /// Decodes an image of at most `largest` pixels a side. What its header announces is judged before memory is taken.
-    fn decode(
-        file: impl std::io::BufRead + std::io::Seek,
-        largest: u32,
-    ) -> Result<(Self, image::ColorType), String> {
+    fn decode(file: impl std::io::BufRead + std::io::Seek, largest: u32) -> Result<(Self, image::ColorType), String> {
         let mut reader = image::ImageReader::new(file).with_guessed_format().map_err(|error| error.to_string())?;
         let mut limits = image::Limits::default();
         limits.max_alloc = Some(MOST_IMAGE_BYTES);

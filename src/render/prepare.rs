@@ -77,9 +77,17 @@ impl Renderer {
         let view = self.view(scene, size);
         let probe = matches!(aim, Aim::Probe);
         let over_holes = self.ground.as_ref().is_some_and(Ground::has_holes);
-        let over_holes = |key: TerrainKey| key.over_holes(over_holes);
+        let has_holes = over_holes;
+        let over_holes = |key: TerrainKey| key.over_holes(has_holes);
         let terrains: Vec<_> =
             terrains(scene, size, aim, view.deep).into_iter().map(|(side, key)| (side, over_holes(key))).collect();
+        if has_holes && terrains.iter().any(|(_, key)| key.is_smooth()) {
+            return Err(RenderError::Impossible {
+                what: "the smooth surface of a map with holes",
+                why: "it needs a height at every sample",
+                instead: "fill the holes (--holes fill), or choose another technique",
+            });
+        }
         if !probe {
             self.prepare_drape(scene, terrains.iter().any(|(_, key)| key.diffuse))?;
             self.prepare_skybox(scene)?;
@@ -89,7 +97,12 @@ impl Renderer {
         let beamed = terrains.iter().map(|(side, key)| (side.area, *key)).chain(exact.map(|key| (whole, key)));
         let beamed = beamed.filter(|(_, key)| key.needs_pyramid()).map(|(area, _)| area).reduce(Area::union);
         if let Some(ground) = &mut self.ground {
-            ground.prepare(&self.gpu, &scene.craters, beamed.is_some());
+            ground.prepare(
+                &self.gpu,
+                &scene.craters,
+                beamed.is_some(),
+                terrains.iter().any(|(_, key)| key.is_smooth()),
+            );
             let kinds: Vec<_> = terrains.iter().filter_map(|(_, key)| key.needs_cones()).collect();
             ground.prepare_cones(&self.gpu, &scene.craters, &kinds, &|_| {});
             if !probe && let Some(rect) = ground.take_changed() {
@@ -172,7 +185,7 @@ impl Renderer {
     pub fn prepare_cones(&mut self, scene: &Scene, progress: &(dyn Fn(f32) + Sync)) {
         let key = TerrainKey::of(scene, false);
         let (Some(ground), Some(kind)) = (&mut self.ground, key.needs_cones()) else { return };
-        ground.prepare(&self.gpu, &scene.craters, key.needs_pyramid());
+        ground.prepare(&self.gpu, &scene.craters, key.needs_pyramid(), key.is_smooth());
         ground.prepare_cones(&self.gpu, &scene.craters, &[kind], progress);
         self.uploaded += ground.take_uploaded();
     }

@@ -51,6 +51,9 @@ pub(super) fn describe(key: TerrainKey) -> PassDescription {
         if key.needs_cones().is_some() {
             modules.push("cones.wgsl");
         }
+        if key.is_smooth() {
+            modules.push("march/smooth.wgsl");
+        }
         modules.extend([key.march_file(), "shading.wgsl"]);
         name = format!("terrain {}", key.technique.name());
     } else if key.given {

@@ -90,12 +90,12 @@ impl TerrainKey {
     /// The same for a view that is a deep zoom, or none. Only the exact technique is precise enough to need more than f32
     /// has: the others are wrong by more than that, and what is given as an f32 distance has lost it already.
     pub(super) fn in_a_deep_zoom(self, deep: bool) -> Self {
-        Self { deep: deep && self.needs_pyramid(), ..self }
+        Self { deep: deep && self.needs_pyramid() && !self.is_smooth(), ..self }
     }
 
     /// The same over a map with holes, or without.
     pub(super) fn over_holes(self, holes: bool) -> Self {
-        Self { holes: holes && self.reads_heights(), ..self }
+        Self { holes: holes && self.reads_heights() && !self.is_smooth(), ..self }
     }
 
     /// Whether the pass finds out where the ground is.
@@ -124,7 +124,12 @@ impl TerrainKey {
 
     /// Whether the technique walks the maximum pyramid.
     pub(super) fn needs_pyramid(&self) -> bool {
-        self.marches() && self.technique == Technique::MaxMipmap
+        self.marches() && self.technique.walks_pyramid()
+    }
+
+    /// Whether the ground is the smooth surface.
+    pub(super) fn is_smooth(&self) -> bool {
+        self.marches() && self.technique == Technique::Smooth
     }
 
     /// The cone map that the technique steps along.
@@ -189,6 +194,7 @@ impl TerrainKey {
             }
         }
         keys.extend(Self::some_with_materials());
+        keys.extend(Self::some_of_the_smooth_surface());
         keys.into_iter().collect()
     }
 
@@ -212,6 +218,28 @@ impl TerrainKey {
         })
     }
 
+    /// The smooth surface in each view, lit and not, and as a probe.
+    #[cfg(test)]
+    fn some_of_the_smooth_surface() -> impl Iterator<Item = Self> {
+        let mut scene = Scene::default();
+        scene.march.technique = Technique::Smooth;
+        let mut keys = vec![Self::of(&scene, true)];
+        for view in DebugView::ALL {
+            scene.debug.view = view;
+            keys.push(Self::of(&scene, false));
+        }
+        scene.debug.view = DebugView::None;
+        scene.lighting.enabled = false;
+        keys.push(Self::of(&scene, false));
+        scene.lighting.enabled = true;
+        scene.march.lower_start = false;
+        scene.craters.mode = CraterMode::Layered;
+        scene.craters.list.push(scene.craters.brush_at(0.5, 0.5));
+        scene.diffuse.source = ColourSource::Materials;
+        keys.push(Self::of(&scene, false));
+        keys.into_iter()
+    }
+
     pub(super) fn defs(&self) -> Vec<&'static str> {
         let shaded = self.output == Output::View(DebugView::None);
         let own = [
@@ -219,6 +247,7 @@ impl TerrainKey {
             (self.filters_heights(), "HEIGHT_SAMPLER"),
             (self.filter == HeightFilter::Nearest, "FILTER_NEAREST"),
             (self.needs_pyramid(), "BEAM"),
+            (self.is_smooth(), "SMOOTH_SURFACE"),
             (self.deep, "DEEP_ZOOM"),
             (self.holes, "HOLES"),
             (self.steps_by_angle, "STEPS_BY_ANGLE"),
@@ -248,7 +277,7 @@ impl TerrainKey {
             Technique::Cone => "march/cone.wgsl",
             Technique::RelaxedCone => "march/relaxed-cone.wgsl",
             Technique::MaxMipmap if self.deep => "march/max-mipmap-deep.wgsl",
-            Technique::MaxMipmap => "march/max-mipmap.wgsl",
+            Technique::MaxMipmap | Technique::Smooth => "march/max-mipmap.wgsl",
         }
     }
 }

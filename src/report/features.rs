@@ -11,7 +11,7 @@ use super::sweep::{ROUNDS, first_line};
 use super::{Halt, Job};
 use crate::heightfield::Crater;
 use crate::render::RenderError;
-use crate::scene::{CraterMode, HeightFilter, Scene, Technique};
+use crate::scene::{ColourSource, CraterMode, HeightFilter, Scene, Technique};
 
 /// A feature that is switched against the base frame.
 #[derive(Clone, Debug, Serialize)]
@@ -55,7 +55,7 @@ fn variants(job: &Job, scene: &Scene, able: &[Technique]) -> Vec<(String, Scene,
     Setting::BASE.apply(&mut base.march);
     base.lighting.enabled = true;
     let list = craters(job);
-    let changes: [Change<'_>; 10] = [
+    let changes: [Change<'_>; 13] = [
         ("base frame", None, &|_| {}),
         ("without halvings", None, &|scene| scene.march.binary_steps = 0),
         ("fixed steps (512) instead of by angle", None, &|scene| scene.march.steps_by_angle = false),
@@ -67,6 +67,14 @@ fn variants(job: &Job, scene: &Scene, able: &[Technique]) -> Vec<(String, Scene,
         }),
         ("ten craters, baked", None, &|scene| scene.craters.list.clone_from(&list)),
         ("without lighting", None, &|scene| scene.lighting.enabled = false),
+        ("materials instead of a diffuse texture", None, &|scene| {
+            (scene.diffuse.enabled, scene.diffuse.source) = (true, ColourSource::Materials);
+        }),
+        ("materials without relief", None, &|scene| {
+            (scene.diffuse.enabled, scene.diffuse.source) = (true, ColourSource::Materials);
+            scene.materials.relief = 0.0;
+        }),
+        ("`smooth`: another surface, without creases", None, &|scene| scene.march.technique = Technique::Smooth),
         ("without a diffuse texture", None, &|scene| scene.diffuse.enabled = !scene.diffuse.enabled),
     ];
     let changed = |change: &dyn Fn(&mut Scene)| {
@@ -144,7 +152,7 @@ fn view_times(
         }
         match studio.frame(scene).and_then(|_| studio.frame(scene)) {
             Ok(ms) => first.push(Some(ms)),
-            Err(error @ RenderError::Unsupported { .. }) => {
+            Err(error @ (RenderError::Unsupported { .. } | RenderError::Impossible { .. })) => {
                 let note = format!("Table 1, {name}: {}", first_line(&error));
                 if !left_out.contains(&note) {
                     left_out.push(note);

@@ -9,6 +9,7 @@ mod frame;
 mod ledger;
 mod lighting;
 mod march;
+mod materials;
 mod occluder;
 mod skybox;
 mod terrain;
@@ -42,13 +43,14 @@ pub(crate) struct Panel<'a> {
 type Section = (&'static str, fn(&mut egui::Ui, &mut Panel<'_>));
 
 /// All sections from top to bottom.
-const SECTIONS: [Section; 13] = [
+const SECTIONS: [Section; 14] = [
     ("Terrain", terrain::show),
     ("Camera", camera::show),
     ("March", march::show),
     ("Compare", compare::show),
     ("Diffuse", diffuse::show),
     ("Lighting", lighting::show),
+    ("Materials", materials::show),
     ("Skybox", skybox::show),
     ("Occluder", occluder::show),
     ("Craters", craters::show),

@@ -33,11 +33,7 @@ impl MaterialsKey {
 
     /// Shader defs.
     pub(crate) fn defs(self) -> impl Iterator<Item = &'static str> {
-        let named = [
-            (self.on, "MATERIALS"),
-            (self.coverage, "MATERIALS_COVERAGE"),
-            (self.relief, "MATERIALS_RELIEF"),
-        ];
+        let named = [(self.on, "MATERIALS"), (self.coverage, "MATERIALS_COVERAGE"), (self.relief, "MATERIALS_RELIEF")];
         named.into_iter().filter_map(|(on, def)| on.then_some(def))
     }
 }

@@ -12,7 +12,7 @@ mod uniform;
 use std::path::PathBuf;
 
 use crate::gpu::Gpu;
-use crate::scene::{Scene, MOST_COVERAGE_MAPS};
+use crate::scene::{MOST_COVERAGE_MAPS, Scene};
 
 use super::RenderError;
 use super::frame::{sampler_entry, texture_entry, uniform_buffer, uniform_entry};
@@ -81,7 +81,8 @@ impl Materials {
         };
         let layers = synthesis::textures();
         let size = [synthesis::SIDE as u32; 2];
-        let shape = Shape { label: "materials", size, levels: synthesis::LEVELS as u32, layers: synthesis::LAYERS as u32 };
+        let shape =
+            Shape { label: "materials", size, levels: synthesis::LEVELS as u32, layers: synthesis::LAYERS as u32 };
         let textures = shape.texture(gpu, wgpu::TextureFormat::Rgba8Snorm);
         let bytes = layers.iter().map(|levels| levels.iter().map(|level| bytemuck::cast_slice(level)));
         let uploaded = shape.fill(gpu, &textures, bytes);
@@ -192,12 +193,7 @@ impl Shape {
     }
 
     /// Copies each layer's levels; returns the bytes copied.
-    fn fill<'a>(
-        self,
-        gpu: &Gpu,
-        to: &Texture,
-        layers: impl Iterator<Item = impl Iterator<Item = &'a [u8]>>,
-    ) -> u64 {
+    fn fill<'a>(self, gpu: &Gpu, to: &Texture, layers: impl Iterator<Item = impl Iterator<Item = &'a [u8]>>) -> u64 {
         let mut bytes = 0;
         for (levels, layer) in layers.zip(0..) {
             for (level, mip) in levels.zip(0..) {

@@ -143,7 +143,8 @@ fn scree(at: [f32; 2]) -> [f32; 2] {
     let heaps = fractal(31, [4, 4], 4, 0.55, at);
     let (mut height, mut tint): (f32, f32) = (-1.0, 0.0);
     for (seed, period, size) in [(32, 88, 0.35), (33, 44, 0.6), (34, 19, 1.0)] {
-        let stones = cells(seed, [period, period], warped(seed + 5, [period / 2, period / 2], 0.25 / period as f32, at));
+        let stones =
+            cells(seed, [period, period], warped(seed + 5, [period / 2, period / 2], 0.25 / period as f32, at));
         // The larger stones lie here and there on the smaller ones.
         let there = size < 0.5 || stones.own + 0.25 * heaps > 1.0 - 0.75 / (1.0 + 2.0 * size);
         let round = 1.0 - (stones.nearest / (0.5 * (stones.nearest + stones.second)).max(1e-3)).powi(3);
