@@ -1,5 +1,5 @@
 //! The smooth surface against its f64 reference, pixel by pixel.
-#![expect(clippy::unwrap_used, reason = "a test may fail loudly")]
+#![expect(clippy::unwrap_used, clippy::panic, reason = "a test may fail loudly")]
 
 mod common;
 

@@ -8,13 +8,14 @@ use glam::{DVec2, DVec3, DVec4};
 use super::anchor::AnchorUniform;
 use super::cube::{clip_corners, in_view};
 use super::frame::FrameUniform;
+use super::materials::MaterialsUniform;
 use super::occluder::CubeUniform;
 use super::pipelines::sources;
 use super::terrain::{TerrainKey, TerrainUniform};
 use super::*;
 use crate::camera::Camera;
 use crate::gpu::COLOR_FORMAT;
-use crate::scene::{CraterMode, HeightFilter, Technique};
+use crate::scene::{ColourSource, CraterMode, HeightFilter, Technique};
 
 /// Offsets and size of a WGSL struct, as naga laid it out. naga_oil decorates names, so the struct is found by its stem.
 fn wgsl_layout(module: &naga::Module, name: &str) -> (BTreeMap<String, u32>, u32) {
@@ -122,6 +123,11 @@ fn rust_and_wgsl_agree_on_every_uniform() {
             grounds,
         ]
     );
+    let mut scene = Scene::default();
+    scene.diffuse.source = ColourSource::Materials;
+    let pass = terrain::describe(TerrainKey::of(&scene, false));
+    let module = sources().compose(pass.file, &pass.modules, &pass.defs).unwrap();
+    assert_layout!(&module, "Materials", MaterialsUniform, [dark, light, levels, slopes, repeats, relief]);
     let pass = occluder::describe(false);
     let module = sources().compose(pass.file, &pass.modules, &pass.defs).unwrap();
     assert_layout!(&module, "Cube", CubeUniform, [clip, sun, ambient]);

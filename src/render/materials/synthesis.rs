@@ -49,8 +49,8 @@ fn layer(recipe: Recipe, spreads: [f32; 2], slope: f32) -> Vec<Vec<i8>> {
             *place = recipe([(column as f32 + 0.5) / side as f32, v]);
         }
     });
-    for channel in 0..2 {
-        normalise(&mut places, channel, spreads[channel]);
+    for (channel, spread) in spreads.into_iter().enumerate() {
+        normalise(&mut places, channel, spread);
     }
     let height = |column: usize, row: usize| places[(row % side) * side + column % side][0];
     let mut texels: Vec<[f32; 4]> = (0..side * side)
