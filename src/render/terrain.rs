@@ -35,7 +35,8 @@ const ANCHOR: u32 = 14;
 pub(super) fn describe(key: TerrainKey) -> PassDescription {
     let filtered = key.filters_heights();
     let mut bindings = vec![uniform_entry::<TerrainUniform>(0)];
-    let mut modules = vec!["frame.wgsl", "heightfield.wgsl", "varyings.wgsl"];
+    // The composer wants a module that any def could import; what is not imported is not composed.
+    let mut modules = vec!["frame.wgsl", "heightfield.wgsl", "varyings.wgsl", "march/smooth.wgsl"];
     if key.deep {
         modules.push("anchor.wgsl");
     }
@@ -50,9 +51,6 @@ pub(super) fn describe(key: TerrainKey) -> PassDescription {
         modules.push("sampling.wgsl");
         if key.needs_cones().is_some() {
             modules.push("cones.wgsl");
-        }
-        if key.is_smooth() {
-            modules.push("march/smooth.wgsl");
         }
         modules.extend([key.march_file(), "shading.wgsl"]);
         name = format!("terrain {}", key.technique.name());

@@ -186,8 +186,19 @@ fn what_is_off_is_not_in_the_shader() {
     bare.march.technique = Technique::Linear;
     bare.march.filter = HeightFilter::Nearest;
     let bare = names(&bare);
-    for absent in ["ground_normal", "diffuse_texture", "pyramid", "intersect_patch", "height_sampler", "crater_layer"] {
+    for absent in ["meet_smooth", "materials", "ground_normal", "diffuse_texture", "pyramid", "intersect_patch", "height_sampler", "crater_layer"] {
         assert!(!bare.contains(absent), "{absent} is in {bare}");
+    }
+    assert!(!full.contains("meet_smooth") && !full.contains("material"), "{full}");
+    let mut smooth = Scene::default();
+    smooth.march.technique = Technique::Smooth;
+    smooth.diffuse.source = ColourSource::Materials;
+    let smooth = names(&smooth);
+    for present in ["meet_smooth", "smooth_normal", "material_textures"] {
+        assert!(smooth.contains(present), "{present} is missing from {smooth}");
+    }
+    for absent in ["intersect_patch", "difference_weights", "diffuse_texture", "coverage_maps"] {
+        assert!(!smooth.contains(absent), "{absent} is in {smooth}");
     }
     let mut layered = Scene::default();
     layered.craters.mode = CraterMode::Layered;

@@ -29,7 +29,7 @@ pub(crate) struct MaterialsUniform {
 /// How much farther the middle and the broad texture repeat than the fine one.
 const COARSER: [f64; 2] = [7.3, 53.0];
 /// How much strata show in a moist and in a dry land.
-const STRATA: [f32; 2] = [0.35, 1.0];
+const STRATA: [f32; 2] = [0.15, 1.0];
 /// Half the usual width of a slope's transition, radians, and of a level's, as a share of the map's height.
 const SLOPE_BLEND: f32 = 0.075;
 const LEVEL_BLEND: f32 = 0.03;
