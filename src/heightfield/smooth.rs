@@ -51,6 +51,12 @@ pub(super) fn first_meeting(
     [begin, end]: [f64; 2],
     cell: [u32; 2],
 ) -> Option<f64> {
+    // Nowhere is the surface higher than the samples that it is made of.
+    let lowest = (origin[1] + direction[1] * begin).min(origin[1] + direction[1] * end);
+    let around = (0..4).flat_map(|row| (0..4).map(move |column| neighbour(field, cell[0] + column, cell[1] + row)));
+    if lowest > scale * f64::from(around.fold(0.0, f32::max)) {
+        return None;
+    }
     let mut stops = vec![begin, end];
     for (axis, cell) in [(0, cell[0]), (2, cell[1])] {
         let middle = (f64::from(cell) + 0.5 - origin[axis]) / direction[axis];

@@ -186,7 +186,16 @@ fn what_is_off_is_not_in_the_shader() {
     bare.march.technique = Technique::Linear;
     bare.march.filter = HeightFilter::Nearest;
     let bare = names(&bare);
-    for absent in ["meet_smooth", "materials", "ground_normal", "diffuse_texture", "pyramid", "intersect_patch", "height_sampler", "crater_layer"] {
+    for absent in [
+        "meet_smooth",
+        "materials",
+        "ground_normal",
+        "diffuse_texture",
+        "pyramid",
+        "intersect_patch",
+        "height_sampler",
+        "crater_layer",
+    ] {
         assert!(!bare.contains(absent), "{absent} is in {bare}");
     }
     assert!(!full.contains("meet_smooth") && !full.contains("material"), "{full}");
