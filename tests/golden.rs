@@ -65,7 +65,6 @@ fn march_cases(map: &HeightField, start: &Scene) -> Vec<Case> {
     summit.march.steps_by_angle = false;
     let mut cut = summit.clone();
     cut.craters.list = vec![crater_on_the_summit(map)];
-    let near = scene_from(map, [0.42, 0.72, 0.52], [0.46, 0.35, 0.45], 50.0);
     let few = |scene: &mut Scene, technique, halvings| {
         scene.march.technique = technique;
         (scene.march.samples_min, scene.march.samples_max) = (4, 12);
@@ -108,7 +107,7 @@ fn march_cases(map: &HeightField, start: &Scene) -> Vec<Case> {
             scene.march.samples_max = 64;
             scene.debug.view = DebugView::Error;
         }),
-        case("smooth", &near, |scene| scene.march.technique = Technique::Smooth),
+        case("smooth", &valley, |scene| scene.march.technique = Technique::Smooth),
         case("misses-kept", start, |scene| scene.march.discard_misses = false),
         case("height-scale", start, |scene| scene.terrain.height_scale = Some(0.25)),
     ]
