@@ -16,6 +16,14 @@
 @group(1) @binding(6) var diffuse_sampler: sampler;
 #endif
 
+#ifdef SMOOTH_SURFACE
+#import relief::smooth::smooth_normal
+
+// Normal of the ground at the grid position `p`, world space: that of the smooth surface itself.
+fn ground_normal(p: vec2f) -> vec3f {
+    return smooth_normal(p);
+}
+#else
 // Weights of the Sobel operator's difference along an axis, over the four samples around the cell `first`, at the
 // fraction `f` of the way from its first to its second corner. At the map's border, samples 0 and `last`, the neighbour
 // beyond is the sample itself and the difference spans one cell instead of two.
@@ -90,6 +98,7 @@ fn ground_normal(p: vec2f) -> vec3f {
     ) * terrain.cells_per_unit;
     return normalize(vec3f(-gradient.x, 1.0, -gradient.y));
 }
+#endif
 
 #ifdef DIFFUSE_TEXTURE
 // Level of detail where `texels` of the finest level lie along a pixel's side: their logarithm, by parts linear as a

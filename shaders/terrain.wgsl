@@ -26,6 +26,9 @@
 #ifdef SHADED
 #import relief::shading
 #endif
+#ifdef MATERIALS
+#import relief::materials
+#endif
 #ifdef VIEW_NORMALS
 #import relief::shading
 #endif
@@ -362,11 +365,32 @@ fn fs_main(in: varyings::Varyings) -> Fragment {
     wall = wall || cut != 3u;
 #endif
     var albedo: vec3f;
+#ifdef MATERIALS
+    albedo = shading::wall_albedo(point.y);
+#else
     if wall {
         albedo = shading::wall_albedo(point.y);
     } else {
         albedo = shading::ground_albedo(point.xz, depth);
     }
+#endif
+#ifdef SHADING_NORMAL
+#ifdef DEEP_ZOOM
+    var normal = surface_normal(at_entry, span.axis, place, ray.direction);
+#else
+    var normal = surface_normal(at == 0.0, span.axis, point.xz, ray.direction);
+#endif
+#ifdef HOLES
+    normal = select(normal, normal_across(cut, ray.direction), cut != 3u);
+#endif
+#endif
+#ifdef MATERIALS
+    if !wall {
+        let ground = materials::ground(point, normal, depth, ray.direction);
+        albedo = ground.albedo;
+        normal = ground.normal;
+    }
+#endif
 #ifdef LAND
 #ifdef DEEP_ZOOM
     let land_place = land::Place(place.cell, place.within);
@@ -379,14 +403,6 @@ fn fs_main(in: varyings::Varyings) -> Fragment {
     let unlit = albedo;
 #endif
 #ifdef LIGHTING
-#ifdef DEEP_ZOOM
-    var normal = surface_normal(at_entry, span.axis, place, ray.direction);
-#else
-    var normal = surface_normal(at == 0.0, span.axis, point.xz, ray.direction);
-#endif
-#ifdef HOLES
-    normal = select(normal, normal_across(cut, ray.direction), cut != 3u);
-#endif
 #ifdef LIGHT_MAP
     shading::read_light_map(point.xz);
     if wall {

@@ -5,6 +5,7 @@
 
 pub mod land;
 pub mod light;
+mod materials;
 pub mod ramp;
 pub mod sun;
 
@@ -20,6 +21,8 @@ use sun::SunPlace;
 
 pub use land::{GroundColour, Hillshade, LandSettings};
 pub use ramp::Ramp;
+
+pub use materials::{ColourSource, LevelUnit, MOST_COVERAGE_MAPS, Material, MaterialSettings};
 
 /// Everything that a frame shows.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -38,6 +41,8 @@ pub struct Scene {
     pub diffuse: DiffuseSettings,
     /// Colours by height, contours, hillshade, placed imagery.
     pub land: LandSettings,
+    /// What the ground is made of, where `diffuse.source` is `materials`.
+    pub materials: MaterialSettings,
     /// The sun and the reflection model.
     pub lighting: LightingSettings,
     /// The skybox.
@@ -82,10 +87,18 @@ pub enum Technique {
     /// Exact: maximum mipmap traversal with bilinear leaves (Tevs, Ihrke, Seidel 2008, made exact).
     #[default]
     MaxMipmap,
+    /// Another surface: the biquadratic B-spline of the samples, whose slope is continuous. The same walk, and in each cell
+    /// the crossing to f32's precision ([`crate::heightfield::smooth`]). The map must have no holes.
+    Smooth,
 }
 
 impl Technique {
-    /// All techniques, in the order of the documentation.
+    /// Everything that a scene can choose: [`Self::ALL`], and `smooth`.
+    pub const CHOICES: [Self; 7] =
+        [Self::Linear, Self::LinearBinary, Self::Secant, Self::Cone, Self::RelaxedCone, Self::MaxMipmap, Self::Smooth];
+
+    /// All techniques for the bilinear surface, in the order of the documentation. They are what is measured against each
+    /// other.
     pub const ALL: [Self; 6] =
         [Self::Linear, Self::LinearBinary, Self::Secant, Self::Cone, Self::RelaxedCone, Self::MaxMipmap];
 
@@ -98,6 +111,7 @@ impl Technique {
             Self::Cone => "cone",
             Self::RelaxedCone => "relaxed-cone",
             Self::MaxMipmap => "max-mipmap",
+            Self::Smooth => "smooth",
         }
     }
 
@@ -108,7 +122,12 @@ impl Technique {
 
     /// Whether sample counts matter: they are the uniform steps, or the most steps along cones.
     pub fn counts_samples(self) -> bool {
-        self != Self::MaxMipmap
+        !self.walks_pyramid()
+    }
+
+    /// Whether it walks a pyramid of maxima, and so finds its surface wherever it is.
+    pub fn walks_pyramid(self) -> bool {
+        matches!(self, Self::MaxMipmap | Self::Smooth)
     }
 
     /// Whether it ends with halvings, so that their number matters.
@@ -121,7 +140,7 @@ impl Technique {
         match self {
             Self::Cone => Some(ConeKind::Cone),
             Self::RelaxedCone => Some(ConeKind::Relaxed),
-            Self::Linear | Self::LinearBinary | Self::Secant | Self::MaxMipmap => None,
+            Self::Linear | Self::LinearBinary | Self::Secant | Self::MaxMipmap | Self::Smooth => None,
         }
     }
 }
@@ -202,8 +221,10 @@ impl Default for CompareSettings {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct DiffuseSettings {
-    /// Colour the ground with a texture; otherwise it is a uniform grey.
+    /// Colour the ground; otherwise it is a uniform grey.
     pub enabled: bool,
+    /// Where the colour comes from.
+    pub source: ColourSource,
     /// An image to drape over the terrain. Absent: a texture generated from height and slope.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub file: Option<PathBuf>,
@@ -213,7 +234,7 @@ pub struct DiffuseSettings {
 
 impl Default for DiffuseSettings {
     fn default() -> Self {
-        Self { enabled: true, file: None, repeats: 1.0 }
+        Self { enabled: true, source: ColourSource::default(), file: None, repeats: 1.0 }
     }
 }
 

@@ -121,7 +121,9 @@ pub fn to_toml(scene: &Scene) -> Result<String, SceneFileError> {
 /// All files that a scene names.
 fn files_mut(scene: &mut Scene) -> impl Iterator<Item = &mut PathBuf> {
     let faces = scene.skybox.faces.iter_mut().flatten();
-    scene.terrain.file.iter_mut().chain(scene.diffuse.file.iter_mut()).chain(scene.land.imagery.iter_mut()).chain(faces)
+    let images =
+        scene.diffuse.file.iter_mut().chain(scene.land.imagery.iter_mut()).chain(&mut scene.materials.coverage);
+    scene.terrain.file.iter_mut().chain(images).chain(faces)
 }
 
 /// Turns the parser's error into one that names the line and, for an unknown word, the nearest valid one.
@@ -157,7 +159,8 @@ fn nearest(word: &str, candidates: &[String]) -> Option<String> {
 /// # Errors
 /// The first field that is not, with its range.
 pub fn validate(scene: &Scene) -> Result<(), OutOfRange> {
-    let Scene { terrain, camera, march, compare, diffuse, land, lighting, skybox, occluder, debug, craters } = scene;
+    let Scene { terrain, camera, march, compare, diffuse, land, materials, lighting, skybox, occluder, debug, craters } =
+        scene;
     if let Some(scale) = terrain.height_scale {
         check("terrain.height_scale", scale, HEIGHT_SCALES)?;
     }
@@ -178,6 +181,7 @@ pub fn validate(scene: &Scene) -> Result<(), OutOfRange> {
     check("compare.share", compare.share, 0.0..=1.0)?;
     check("diffuse.repeats", diffuse.repeats, SMALLEST..=4096.0)?;
     land::validate(land)?;
+    materials.validate()?;
     check("lighting.sun_azimuth", lighting.sun_azimuth, -ANGLE..=ANGLE)?;
     check("lighting.sun_elevation", lighting.sun_elevation, -90.0..=90.0)?;
     check("lighting.ambient", lighting.ambient, 0.0..=100.0)?;

@@ -16,7 +16,9 @@ use image::{ImageEncoder, Rgb, RgbImage, Rgba, RgbaImage};
 use relief::camera::NamedView;
 use relief::heightfield::{Crater, HeightField};
 use relief::scene::light::{Shadows, SkyModel};
-use relief::scene::{CraterMode, DebugView, GroundColour, HeightFilter, Hillshade, Ramp, Scene, Technique};
+use relief::scene::{
+    ColourSource, CraterMode, DebugView, GroundColour, HeightFilter, Hillshade, Ramp, Scene, Technique,
+};
 
 /// Another version of the driver may round another way; more than this is another picture.
 const TOLERANCE: Tolerance = Tolerance { channel: 8, pixels: 0.002 };
@@ -116,12 +118,13 @@ fn march_cases(map: &HeightField, start: &Scene) -> Vec<Case> {
             scene.march.samples_max = 64;
             scene.debug.view = DebugView::Error;
         }),
+        case("smooth", &valley, |scene| scene.march.technique = Technique::Smooth),
         case("misses-kept", start, |scene| scene.march.discard_misses = false),
         case("height-scale", start, |scene| scene.terrain.height_scale = Some(0.25)),
     ]
 }
 
-fn colour_cases(start: &Scene) -> Vec<Case> {
+fn colour_cases(map: &HeightField, start: &Scene) -> Vec<Case> {
     let texture = scratch_file("golden-checker.png");
     checker([230, 190, 60], [40, 70, 140]).save(&texture).unwrap();
     vec![
@@ -152,6 +155,18 @@ fn colour_cases(start: &Scene) -> Vec<Case> {
             low_sun(scene, Shadows::Soft);
             (scene.lighting.sun_azimuth, scene.lighting.sun_elevation) = (350.0, 4.0);
             scene.skybox.model = SkyModel::Physical;
+        }),
+        case("materials", start, |scene| {
+            scene.diffuse.source = ColourSource::Materials;
+            scene.materials.aridity = 0.8;
+        }),
+        case("materials-lush-and-cold", start, |scene| {
+            scene.diffuse.source = ColourSource::Materials;
+            scene.terrain.height_scale = Some(0.15);
+        }),
+        case("materials-cliff", &scene_at(NamedView::Valley, map), |scene| {
+            scene.diffuse.source = ColourSource::Materials;
+            scene.materials.aridity = 0.8;
         }),
         case("skybox-off", start, |scene| scene.skybox.enabled = false),
         case("skybox-images", start, |scene| scene.skybox.faces = Some(sky_faces())),
@@ -236,7 +251,7 @@ fn cases(map: &HeightField) -> Vec<Case> {
     let start = scene_at(NamedView::Start, map);
     march_cases(map, &start)
         .into_iter()
-        .chain(colour_cases(&start))
+        .chain(colour_cases(map, &start))
         .chain(thing_cases(map, &start))
         .chain(land_cases(map, &start))
         .collect()

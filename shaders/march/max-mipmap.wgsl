@@ -7,6 +7,9 @@
 #ifdef HOLES
 #import relief::heightfield::has_ground
 #endif
+#ifdef SMOOTH_SURFACE
+#import relief::smooth::meet_smooth
+#endif
 #import relief::pyramid::{
     RECIPROCAL_OF_ZERO, Walk, lesser, greater, course_along, start, node_of, places_on, place_of, stored_height, reached, moved_on, either,
 }
@@ -15,6 +18,7 @@
 // fall: more than the rounding of that place.
 const SHORT: f32 = 1e-6;
 
+#ifndef SMOOTH_SURFACE
 // First parameter in [0, length] where the ray from `local` (coordinates in the cell, y in world units) meets the
 // bilinear patch over `corners`, or NO_HIT.
 //
@@ -40,6 +44,7 @@ fn intersect_patch(corners: vec4f, local: vec3f, direction: vec3f, length: f32) 
     return first;
 #endif
 }
+#endif
 
 fn march(ray: Segment) -> Hit {
     if ray.begin > ray.end {
@@ -133,10 +138,13 @@ fn march(ray: Segment) -> Hit {
         let through_x = ahead.x <= ahead.y;
         let leave = greater(lesser(select(ahead.y, ahead.x, through_x), ray.end), walk.t);
         let cell = node_of(course, walk);
-        let corners = cell_corners(cell);
         let position = (origin - cell) + direction * walk.t;
         let local = vec3f(position.x, ray.origin.y + ray.direction.y * walk.t, position.y);
-        let hit = intersect_patch(corners, local, ray.direction, leave - walk.t);
+#ifdef SMOOTH_SURFACE
+        let hit = meet_smooth(cell, local, ray.direction, leave - walk.t);
+#else
+        let hit = intersect_patch(cell_corners(cell), local, ray.direction, leave - walk.t);
+#endif
         if hit >= 0.0 {
             return Hit(walk.t + hit, walk.steps, 0u);
         }

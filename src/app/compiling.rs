@@ -195,7 +195,8 @@ fn stand_ins(wanted: &Scene, shown: &Scene) -> [Scene; 2] {
     (near.lighting.enabled, near.lighting.shadows) = (shown.lighting.enabled, shown.lighting.shadows);
     near.skybox.model = shown.skybox.model;
     (near.lighting.baked, near.lighting.occlusion) = (shown.lighting.baked, shown.lighting.occlusion);
-    near.diffuse.enabled = shown.diffuse.enabled;
+    (near.diffuse.enabled, near.diffuse.source) = (shown.diffuse.enabled, shown.diffuse.source);
+    near.materials.clone_from(&shown.materials);
     near.skybox.enabled = shown.skybox.enabled;
     near.occluder.enabled = shown.occluder.enabled;
     // Where the craters need pipelines, too, the old ones stay.

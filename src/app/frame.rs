@@ -329,7 +329,8 @@ pub(super) fn put_back(scene: &mut Scene, good: Option<&Scene>, error: &RenderEr
         let is_diffuse = scene.diffuse.file.as_ref() == Some(path);
         let is_sky = scene.skybox.faces.as_ref().is_some_and(|faces| faces.contains(path));
         let is_imagery = scene.land.imagery.as_ref() == Some(path);
-        let unknown = !is_diffuse && !is_sky && !is_imagery;
+        let is_coverage = scene.materials.coverage.contains(path);
+        let unknown = !is_diffuse && !is_sky && !is_imagery && !is_coverage;
         if is_imagery {
             let file = good.and_then(|good| good.land.imagery.clone());
             scene.land.imagery = file.filter(|file| Some(file) != before.land.imagery.as_ref());
@@ -337,6 +338,10 @@ pub(super) fn put_back(scene: &mut Scene, good: Option<&Scene>, error: &RenderEr
         if is_diffuse || unknown {
             let file = good.and_then(|good| good.diffuse.file.clone());
             scene.diffuse.file = file.filter(|file| Some(file) != before.diffuse.file.as_ref());
+        }
+        if is_coverage || unknown {
+            let maps = good.map(|good| good.materials.coverage.clone()).unwrap_or_default();
+            scene.materials.coverage = if maps == before.materials.coverage { Vec::new() } else { maps };
         }
         if is_sky || unknown {
             let faces = good.and_then(|good| good.skybox.faces.clone());
@@ -373,6 +378,9 @@ mod tests {
         assert!(scene.skybox.faces.is_some() && scene.march.technique == Technique::Linear);
         assert!(put_back(&mut scene, Some(&good), &image_error("c")));
         assert_eq!(scene.skybox.faces, None);
+        scene.materials.coverage = vec!["a.png".into(), "b.png".into()];
+        assert!(put_back(&mut scene, Some(&good), &image_error("b.png")));
+        assert_eq!((scene.materials.coverage.len(), &scene.diffuse), (0, &good.diffuse));
         // The good image has been deleted meanwhile: the generated texture is left, and no endless loop.
         assert!(put_back(&mut scene, Some(&good), &image_error("good.png")));
         assert_eq!(scene.diffuse.file, None);

@@ -164,6 +164,8 @@ pub(crate) struct PathFields {
     pub(crate) diffuse: String,
     /// The placed picture.
     pub(crate) imagery: String,
+    /// The coverage maps, with `;` between.
+    pub(crate) coverage: String,
     /// The six faces of the sky.
     pub(crate) faces: [String; 6],
 }
@@ -173,10 +175,12 @@ impl PathFields {
     pub(crate) fn of(scene: &Scene) -> Self {
         let text = |path: &Option<PathBuf>| path.as_ref().map(|path| path.display().to_string()).unwrap_or_default();
         let faces = scene.skybox.faces.clone().map(|faces| faces.map(|path| path.display().to_string()));
+        let coverage = scene.materials.coverage.iter().map(|path| path.display().to_string());
         Self {
             terrain: text(&scene.terrain.file),
             diffuse: text(&scene.diffuse.file),
             imagery: text(&scene.land.imagery),
+            coverage: coverage.collect::<Vec<_>>().join("; "),
             faces: faces.unwrap_or_default(),
         }
     }

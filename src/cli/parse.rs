@@ -57,11 +57,12 @@ pub(crate) fn compare(text: &str) -> Result<CompareSpec, String> {
         }
         None => (text, None),
     };
-    match Technique::ALL.into_iter().find(|technique| technique.name() == name) {
+    match Technique::CHOICES.into_iter().find(|technique| technique.name() == name) {
         Some(technique) => Ok(CompareSpec { technique, share }),
-        None => {
-            Err(format!("there is no technique `{name}`; there are {}", Technique::ALL.map(Technique::name).join(", ")))
-        }
+        None => Err(format!(
+            "there is no technique `{name}`; there are {}",
+            Technique::CHOICES.map(Technique::name).join(", ")
+        )),
     }
 }
 

@@ -143,6 +143,7 @@ impl Outputs {
             .iter()
             .chain(&scene.diffuse.file)
             .chain(&scene.land.imagery)
+            .chain(&scene.materials.coverage)
             .chain(faces)
             .map(PathBuf::as_path);
         for input in files.chain(scene_file) {

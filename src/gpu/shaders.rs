@@ -33,6 +33,8 @@ const EMBEDDED: &[(&str, &str)] = embed![
     "march/max-mipmap.wgsl",
     "march/relaxed-cone.wgsl",
     "march/secant.wgsl",
+    "march/smooth.wgsl",
+    "materials.wgsl",
     "present.wgsl",
     "pyramid.wgsl",
     "sampling.wgsl",

@@ -21,6 +21,7 @@ pub mod reference;
 pub mod save;
 mod shadow;
 mod sidecar;
+pub mod smooth;
 pub mod survey;
 #[cfg(test)]
 mod testing;
@@ -35,3 +36,4 @@ pub use load::{LoadError, Loaded};
 pub use provenance::Provenance;
 pub use pyramid::{MaxPyramid, NodeRect, PyramidLevel};
 pub use sidecar::Sidecar;
+pub use smooth::SmoothBounds;

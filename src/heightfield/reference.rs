@@ -9,7 +9,7 @@
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use super::{HeightField, patch};
+use super::{HeightField, patch, smooth};
 use crate::camera::{Camera, Ray};
 
 /// Where a ray meets the terrain first.
@@ -29,12 +29,19 @@ pub struct Surface<'a> {
     field: &'a HeightField,
     /// Size of the box in world units.
     size: DVec3,
+    /// Whether it is the smooth surface of the samples instead of the bilinear one.
+    smooth: bool,
 }
 
 impl<'a> Surface<'a> {
     /// The surface of `field` in the box from the origin to `size`. The height may be 0; the sides are above 0.
     pub fn new(field: &'a HeightField, size: DVec3) -> Self {
-        Self { field, size }
+        Self { field, size, smooth: false }
+    }
+
+    /// The smooth surface of `field` ([`super::smooth`]), which has no holes, in the same box.
+    pub fn smooth(field: &'a HeightField, size: DVec3) -> Self {
+        Self { field, size, smooth: true }
     }
 
     pub(super) fn field(&self) -> &'a HeightField {
@@ -109,6 +116,10 @@ impl<'a> Surface<'a> {
     fn cell(&self, x: u32, z: u32, origin: DVec3, direction: DVec3, start: f64, end: f64) -> Option<f64> {
         if !self.field.has_ground(x, z) {
             return None;
+        }
+        if self.smooth {
+            let (origin, direction) = (origin.to_array(), direction.to_array());
+            return smooth::first_meeting(self.field, self.size.y, origin, direction, [start, end], [x, z]);
         }
         let height = |i: u32, j: u32| f64::from(self.field.sample(i, j)) * self.size.y;
         let corners = [height(x, z), height(x + 1, z), height(x, z + 1), height(x + 1, z + 1)];

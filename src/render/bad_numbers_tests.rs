@@ -7,6 +7,7 @@ use toml::Value;
 use super::cube::clip_corners;
 use super::frame::FrameUniform;
 use super::ground::Ground;
+use super::materials::MaterialsUniform;
 use super::terrain::TerrainUniform;
 use super::{PreparedTerrain, RenderError, Renderer, occluder, terrain};
 use crate::camera::{Camera, NamedView};
@@ -15,9 +16,9 @@ use crate::heightfield::generate::{Kind, generate};
 use crate::heightfield::{Crater, EditedTerrain, HeightField};
 use crate::scene::light::{Clock, Shadows, SkyModel};
 use crate::scene::{
-    CompareSettings, CraterMode, CraterSettings, DebugSettings, DebugView, DiffuseSettings, GroundColour, HeightFilter,
-    Hillshade, LandSettings, LightingSettings, MarchSettings, OccluderSettings, Ramp, Scene, SkyboxSettings, Technique,
-    TerrainSettings,
+    ColourSource, CompareSettings, CraterMode, CraterSettings, DebugSettings, DebugView, DiffuseSettings, GroundColour,
+    HeightFilter, Hillshade, LandSettings, LevelUnit, LightingSettings, MarchSettings, MaterialSettings,
+    OccluderSettings, Ramp, Scene, SkyboxSettings, Technique, TerrainSettings,
 };
 use crate::scene_file;
 
@@ -37,7 +38,7 @@ fn full_scene() -> Scene {
             discard_misses: true,
         },
         compare: CompareSettings { enabled: false, technique: Technique::Linear, share: 0.5 },
-        diffuse: DiffuseSettings { enabled: true, file: None, repeats: 2.0 },
+        diffuse: DiffuseSettings { enabled: true, source: ColourSource::Texture, file: None, repeats: 2.0 },
         land: LandSettings {
             colour: GroundColour::Ramp,
             ramp: Ramp::Batlow,
@@ -51,6 +52,21 @@ fn full_scene() -> Scene {
             contour_width: 1.5,
             imagery: None,
             imagery_opacity: 0.5,
+        },
+        materials: MaterialSettings {
+            scale: 1.5,
+            aridity: 0.5,
+            scree_slope: 27.0,
+            rock_slope: 35.0,
+            snow_slope: 52.0,
+            softness: 1.0,
+            levels: LevelUnit::Share,
+            snow_line: 0.7,
+            tree_line: 0.5,
+            sand_line: 0.02,
+            sea_level: 0.01,
+            relief: 1.0,
+            coverage: Vec::new(),
         },
         lighting: LightingSettings {
             enabled: true,
@@ -173,6 +189,9 @@ fn assert_uniforms_are_sound(what: &str, scene: &Scene, ground: &Ground) {
     let uniform = TerrainUniform::new(scene, ground, None, extent, &clip);
     let whole = [std::mem::offset_of!(TerrainUniform, binary_steps), std::mem::offset_of!(TerrainUniform, step_cap)];
     assert_sound(&format!("{what}: terrain"), bytemuck::bytes_of(&uniform), &whole);
+    if let Some(materials) = MaterialsUniform::new(scene, ground, extent) {
+        assert_sound(&format!("{what}: materials"), bytemuck::bytes_of(&materials), &[]);
+    }
     let world_from_cube = occluder::world_from_cube(&scene.occluder, map, extent);
     let clip = clip_corners(camera.clip_from_world(size), world_from_cube);
     let cube = occluder::uniform(&clip, world_from_cube, &scene.lighting);
@@ -213,7 +232,7 @@ fn a_bad_number_in_any_field_of_a_scene_is_refused_or_harmless() {
                 Ok(scene) => {
                     taken += 1;
                     let mut ground = Ground::new(&gpu, EditedTerrain::new(std::sync::Arc::clone(&map)));
-                    ground.prepare(&gpu, &scene.craters, true);
+                    ground.prepare(&gpu, &scene.craters, true, false);
                     assert_uniforms_are_sound(&format!("{name} = {bad}"), &scene, &ground);
                     let samples = ground.terrain().field().samples();
                     let sound = |height: f32| height.to_bits() == 0 || height.is_normal() && height <= 1.0;

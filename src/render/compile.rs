@@ -5,6 +5,7 @@ use std::sync::Arc;
 use crate::gpu::{Gpu, ShaderError, ShaderSources};
 
 use super::frame::FrameBindings;
+use super::materials;
 use super::pipelines::{Built, PipelineKey, build};
 
 /// Pipelines that a frame needs and that are not there: all that it takes to build them.
@@ -41,6 +42,10 @@ impl Compilation {
     pub(crate) fn build(&self, go_on: &dyn Fn() -> bool) -> Result<Compiled, ShaderError> {
         let wanted = self.keys.iter().take_while(|_| go_on());
         let built = wanted.map(|&key| {
+            // Made here, so that the frame that first shows them does not.
+            if matches!(key, PipelineKey::Terrain(key) if key.materials.on) {
+                materials::make_ready();
+            }
             let built = build(&self.gpu, &self.sources, &self.frame.layout, key.describe())?;
             Ok((key, Arc::new(built)))
         });

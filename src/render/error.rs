@@ -60,6 +60,16 @@ pub enum RenderError {
         /// What to do instead.
         instead: &'static str,
     },
+    /// The scene asks for something that this map cannot give.
+    #[error("{what} cannot be drawn\n  {why}\n  {instead}")]
+    Impossible {
+        /// What was asked for.
+        what: &'static str,
+        /// Why it cannot be.
+        why: &'static str,
+        /// What to do instead.
+        instead: &'static str,
+    },
     /// The distances given for a picture are not one per pixel.
     #[error(
         "there are {given} distances for a picture of {width}×{height} pixels\n  \

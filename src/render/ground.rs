@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use crate::gpu::Gpu;
 use crate::heightfield::{
     ConeKind, ConeMap, Crater, CraterLayer, Edit, EditedTerrain, HeightField, MaxPyramid, NodeRect, SampleRect,
+    SmoothBounds,
 };
 use crate::scene::{CraterMode, CraterSettings};
 
@@ -36,6 +37,8 @@ pub(super) struct Ground {
     /// Whether the heights on the GPU are those with the craters (the same as those without, while there are none).
     heights_have_craters: bool,
     pyramid: Option<Texture>,
+    /// What the pyramid holds where it bounds the smooth surface, too: of the heights that are on the GPU.
+    bounds: Option<SmoothBounds>,
     cones: Cones,
     layer: Option<Layer>,
     uploaded: u64,
@@ -72,6 +75,7 @@ impl Ground {
             heights,
             heights_have_craters: true,
             pyramid: None,
+            bounds: None,
             cones: Cones::default(),
             layer: None,
             uploaded: 0,
@@ -94,8 +98,12 @@ impl Ground {
         &self.terrain
     }
 
-    /// Brings the textures up to date with the scene's craters and drops what the frame does not need.
-    pub(super) fn prepare(&mut self, gpu: &Gpu, craters: &CraterSettings, walks_pyramid: bool) {
+    /// Brings the textures up to date with the scene's craters and drops what the frame does not need. With `smooth` the
+    /// pyramid bounds the smooth surface, and so the bilinear one, too.
+    pub(super) fn prepare(&mut self, gpu: &Gpu, craters: &CraterSettings, walks_pyramid: bool, smooth: bool) {
+        if smooth != self.bounds.is_some() {
+            (self.bounds, self.pyramid) = (None, None);
+        }
         let edit = self.terrain.set_craters(&craters.list);
         if let Some(edit) = &edit {
             self.changed = Some(self.changed.map_or(edit.samples, |rect| rect.union(edit.samples)));
@@ -105,10 +113,13 @@ impl Ground {
         if wants_craters != self.heights_have_craters && !craters.list.is_empty() {
             self.heights_have_craters = wants_craters;
             self.upload_heights(gpu);
-            self.pyramid = None;
+            (self.bounds, self.pyramid) = (None, None);
         } else if let (true, Some(edit)) = (wants_craters, &edit) {
             self.heights_have_craters = true;
             self.upload_edit(gpu, edit);
+        }
+        if smooth && self.bounds.is_none() {
+            self.bounds = Some(SmoothBounds::new(self.resident()));
         }
         match (walks_pyramid, self.pyramid.is_some()) {
             (true, false) => self.upload_pyramid(gpu),
@@ -294,9 +305,11 @@ impl Ground {
     fn upload_edit(&mut self, gpu: &Gpu, edit: &Edit) {
         let field = self.terrain.field();
         let mut uploaded = self.upload_samples(gpu, field, edit.samples);
+        let of_bounds = self.bounds.as_mut().map(|bounds| bounds.update(self.terrain.field(), edit.samples));
         if let Some(texture) = &self.pyramid {
-            let levels = self.terrain.pyramid().levels();
-            for &NodeRect { level, x, y, width, height } in &edit.nodes {
+            let pyramid = self.bounds.as_ref().map_or(self.terrain.pyramid(), SmoothBounds::pyramid);
+            let levels = pyramid.levels();
+            for &NodeRect { level, x, y, width, height } in of_bounds.as_ref().unwrap_or(&edit.nodes) {
                 if level <= self.top_level() {
                     let data = &levels[level as usize - 1];
                     let rect = SampleRect { x, y, width, height };
@@ -310,7 +323,9 @@ impl Ground {
 
     fn upload_pyramid(&mut self, gpu: &Gpu) {
         let of_base;
-        let pyramid = if self.heights_have_craters || self.terrain.craters().is_empty() {
+        let pyramid = if let Some(bounds) = &self.bounds {
+            bounds.pyramid()
+        } else if self.heights_have_craters || self.terrain.craters().is_empty() {
             self.terrain.pyramid()
         } else {
             of_base = MaxPyramid::build(self.terrain.base());

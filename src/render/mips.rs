@@ -170,11 +170,32 @@ impl Image {
         SampleRect { x: 0, y: 0, width: self.width, height: self.height }
     }
 
+    /// Reads an image file whose channels are weights: one that the image does not have is 0. A grey image has one, red.
+    ///
+    /// # Errors
+    /// As [`Self::read`].
+    pub(super) fn read_weights(path: &std::path::Path, largest: u32) -> Result<Self, String> {
+        let (mut image, colours) = Self::read_with_colours(path, largest)?;
+        image.rgba.chunks_exact_mut(4).for_each(|texel| {
+            if !colours.has_alpha() {
+                texel[3] = 0;
+            }
+            if !colours.has_color() {
+                (texel[1], texel[2]) = (0, 0);
+            }
+        });
+        Ok(image)
+    }
+
     /// Reads an image file of any format and depth that the `image` crate knows.
     ///
     /// # Errors
     /// What is wrong with the file, for people.
     pub(super) fn read(path: &std::path::Path, largest: u32) -> Result<Self, String> {
+        Ok(Self::read_with_colours(path, largest)?.0)
+    }
+
+    fn read_with_colours(path: &std::path::Path, largest: u32) -> Result<(Self, image::ColorType), String> {
         // Before opening, because opening a pipe waits for its writer.
         if !std::fs::metadata(path).map_err(|error| error.to_string())?.is_file() {
             return Err("it is not a file".into());
@@ -184,7 +205,7 @@ impl Image {
     }
 
     /// Decodes an image of at most `largest` pixels a side. What its header announces is judged before memory is taken.
-    fn decode(file: impl std::io::BufRead + std::io::Seek, largest: u32) -> Result<Self, String> {
+    fn decode(file: impl std::io::BufRead + std::io::Seek, largest: u32) -> Result<(Self, image::ColorType), String> {
         let mut reader = image::ImageReader::new(file).with_guessed_format().map_err(|error| error.to_string())?;
         let mut limits = image::Limits::default();
         limits.max_alloc = Some(MOST_IMAGE_BYTES);
@@ -201,8 +222,9 @@ impl Image {
         }
         decoder.set_limits(limits).map_err(|error| one_line(&error))?;
         let image = image::DynamicImage::from_decoder(decoder).map_err(|error| one_line(&error))?;
+        let colours = image.color();
         let rgba = image.into_rgba8();
-        Ok(Self { width: rgba.width(), height: rgba.height(), rgba: rgba.into_raw() })
+        Ok((Self { width: rgba.width(), height: rgba.height(), rgba: rgba.into_raw() }, colours))
     }
 }
 
@@ -284,7 +306,7 @@ mod tests {
                 }
             }
             match Image::decode(std::io::Cursor::new(&bytes), 4096) {
-                Ok(image) => {
+                Ok((image, _)) => {
                     decoded += 1;
                     assert!(image.width.max(image.height) <= 4096);
                     assert_eq!(image.rgba.len() as u64, 4 * u64::from(image.width) * u64::from(image.height));

@@ -22,6 +22,7 @@ mod light;
 mod light_map;
 #[cfg(test)]
 mod loops_tests;
+mod materials;
 mod mips;
 mod occluder;
 mod pipelines;
@@ -64,6 +65,7 @@ pub(crate) use frame::ray_start;
 use ground::Ground;
 use land::Land;
 use light_map::LightMap;
+use materials::Materials;
 use occluder::CubeBindings;
 use pipelines::{PipelineKey, Pipelines};
 use prepare::{Aim, Draw, Passes};
@@ -89,6 +91,7 @@ pub struct Renderer {
     ground: Option<Ground>,
     drape: Option<Drape>,
     land: Land,
+    materials: Option<Materials>,
     skybox: Option<Skybox>,
     beams: Option<Beams>,
     light_map: Option<LightMap>,
@@ -153,6 +156,7 @@ impl Renderer {
             ground: None,
             drape: None,
             land: Land::new(&gpu),
+            materials: None,
             skybox: None,
             beams: None,
             light_map: None,
@@ -400,6 +404,7 @@ impl Renderer {
         }
         textures.extend(self.drape.as_ref().and_then(Drape::entry));
         self.land.list(&mut textures);
+        textures.extend(self.materials.iter().flat_map(Materials::list));
         textures.extend(self.skybox.as_ref().map(Skybox::entry));
         textures.extend(self.beams.iter().flat_map(Beams::entries));
         textures.extend(self.light_map.as_ref().map(LightMap::entry));

@@ -20,6 +20,7 @@ use super::frame::FrameUniform;
 use super::ground::Ground;
 use super::light::LightKey;
 use super::light_map::{LightMapKey, LightMapPass};
+use super::materials::Materials;
 use super::occluder::OccluderKey;
 use super::pipelines::{Built, PipelineKey};
 use super::skybox::Skybox;
@@ -91,9 +92,17 @@ impl Renderer {
         let view = self.view(scene, size);
         let probe = aim.probes();
         let over_holes = self.ground.as_ref().is_some_and(Ground::has_holes);
-        let over_holes = |key: TerrainKey| key.over_holes(over_holes);
+        let has_holes = over_holes;
+        let over_holes = |key: TerrainKey| key.over_holes(has_holes);
         let terrains: Vec<_> =
             terrains(scene, size, aim, view.deep).into_iter().map(|(side, key)| (side, over_holes(key))).collect();
+        if has_holes && terrains.iter().any(|(_, key)| key.is_smooth()) {
+            return Err(RenderError::Impossible {
+                what: "the smooth surface of a map with holes",
+                why: "it needs a height at every sample",
+                instead: "fill the holes (--holes fill), or choose another technique",
+            });
+        }
         if !probe {
             self.prepare_drape(scene, terrains.iter().any(|(_, key)| key.diffuse))?;
             self.prepare_skybox(scene)?;
@@ -111,7 +120,8 @@ impl Renderer {
                 || beamed.is_some()
                 || stale.is_some()
                 || light.occluder;
-            ground.prepare(&self.gpu, &scene.craters, walked);
+            let smooth = terrains.iter().any(|(_, key)| key.is_smooth());
+            ground.prepare(&self.gpu, &scene.craters, walked, smooth);
             let kinds: Vec<_> = terrains.iter().filter_map(|(_, key)| key.needs_cones()).collect();
             ground.prepare_cones(&self.gpu, &scene.craters, &kinds, &|_| {});
             if !probe && let Some(rect) = ground.take_changed() {
@@ -119,6 +129,9 @@ impl Renderer {
                 self.uploaded += self.drape.as_mut().map_or(0, |drape| drape.update(&self.gpu, field, rect));
             }
             self.uploaded += ground.take_uploaded();
+        }
+        if !probe {
+            self.prepare_materials(scene, &view, terrains.iter().any(|(_, key)| key.materials.on))?;
         }
         let frame = FrameUniform::new(&view.camera, size, view.extent, scene.skybox.flattening);
         self.frame.write(&self.gpu, &frame);
@@ -193,7 +206,7 @@ impl Renderer {
     pub fn prepare_cones(&mut self, scene: &Scene, progress: &(dyn Fn(f32) + Sync)) {
         let key = TerrainKey::of(scene, false);
         let (Some(ground), Some(kind)) = (&mut self.ground, key.needs_cones()) else { return };
-        ground.prepare(&self.gpu, &scene.craters, key.needs_pyramid());
+        ground.prepare(&self.gpu, &scene.craters, key.needs_pyramid(), key.is_smooth());
         ground.prepare_cones(&self.gpu, &scene.craters, &[kind], progress);
         self.uploaded += ground.take_uploaded();
     }
@@ -316,6 +329,18 @@ impl Renderer {
         Ok(())
     }
 
+    /// Keeps the materials' textures while a frame shows them.
+    fn prepare_materials(&mut self, scene: &Scene, view: &View, shown: bool) -> Result<(), RenderError> {
+        let Some(ground) = self.ground.as_ref().filter(|_| shown) else {
+            self.materials = None;
+            return Ok(());
+        };
+        let materials = self.materials.get_or_insert_with(|| Materials::new(&self.gpu));
+        let result = materials.prepare(&self.gpu, scene, ground, view.extent);
+        self.uploaded += materials.take_uploaded();
+        result
+    }
+
     fn prepare_skybox(&mut self, scene: &Scene) -> Result<(), RenderError> {
         // In the error view the sky is where nothing is wrong: it must not look like anything.
         if !scene.skybox.enabled || scene.debug.view == DebugView::Error {
@@ -383,6 +408,7 @@ impl Renderer {
             ground,
             drape: self.drape.as_ref(),
             land: &self.land,
+            materials: self.materials.as_ref(),
             beams: self.beams.as_ref(),
             light_map: self.light_map.as_ref(),
             given: if let Aim::Given(distances) = aim { Some(distances) } else { None },

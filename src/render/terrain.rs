@@ -14,6 +14,7 @@ use super::ground::Ground;
 use super::land::Land;
 use super::light::{self, LightBindings};
 use super::light_map::{self, LightMap};
+use super::materials::{self, Materials};
 use super::pipelines::{Built, PassDescription};
 
 pub(super) use super::terrain_key::{Output, TerrainKey};
@@ -37,8 +38,8 @@ const ANCHOR: u32 = 14;
 pub(super) fn describe(key: TerrainKey) -> PassDescription {
     let filtered = key.filters_heights();
     let mut bindings = vec![uniform_entry::<TerrainUniform>(0)];
-    // Nothing of a module comes in that is not imported.
-    let mut modules = vec!["frame.wgsl", "heightfield.wgsl", "varyings.wgsl", "light.wgsl"];
+    // The composer wants a module that any def could import; what is not imported is not composed.
+    let mut modules = vec!["frame.wgsl", "heightfield.wgsl", "varyings.wgsl", "light.wgsl", "march/smooth.wgsl"];
     if key.deep {
         modules.push("anchor.wgsl");
     }
@@ -95,6 +96,10 @@ pub(super) fn describe(key: TerrainKey) -> PassDescription {
         bindings.extend([texture_entry(5, true, false), sampler_entry(6)]);
     }
     bindings.extend(key.land.bindings());
+    if key.materials.on {
+        modules.push("materials.wgsl");
+        bindings.extend(materials::layout_entries(key.materials));
+    }
     let defs = key.defs();
     PassDescription {
         name: format!("{name} [{}]", defs.join(" ")),
@@ -151,6 +156,7 @@ pub(super) struct Textures<'a> {
     pub(super) ground: &'a Ground,
     pub(super) drape: Option<&'a Drape>,
     pub(super) land: &'a Land,
+    pub(super) materials: Option<&'a Materials>,
     pub(super) beams: Option<&'a Beams>,
     pub(super) light_map: Option<&'a LightMap>,
     /// Distances to read instead of casting rays.
@@ -231,7 +237,7 @@ impl TerrainBindings {
         uniform: &TerrainUniform,
         textures: &Textures<'_>,
     ) -> Option<wgpu::BindGroup> {
-        let &Textures { ground, drape, land, beams, light_map, given, exact } = textures;
+        let &Textures { ground, drape, land, materials, beams, light_map, given, exact } = textures;
         self.write(gpu, uniform);
         let view = wgpu::BindingResource::TextureView;
         let mut entries = vec![(0, self.buffer.as_entire_binding())];
@@ -273,6 +279,9 @@ impl TerrainBindings {
             entries.extend([(5, view(drape?.view()?)), (6, wgpu::BindingResource::Sampler(sampler))]);
         }
         entries.extend(land.entries(key.land)?);
+        if key.materials.on {
+            entries.extend(materials?.entries(key.materials)?);
+        }
         Some(bind(gpu, built, entries))
     }
 

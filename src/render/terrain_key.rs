@@ -2,7 +2,9 @@
 
 use super::land::LandKey;
 use crate::heightfield::ConeKind;
-use crate::scene::{CraterMode, DebugView, HeightFilter, Scene, Technique};
+use crate::scene::{ColourSource, CraterMode, DebugView, HeightFilter, Scene, Technique};
+
+use super::materials::MaterialsKey;
 
 use super::light::LightKey;
 
@@ -26,6 +28,7 @@ pub(super) struct TerrainKey {
     pub(super) discard_misses: bool,
     pub(super) lighting: bool,
     pub(super) diffuse: bool,
+    pub(super) materials: MaterialsKey,
     pub(super) layered: bool,
     /// Hits are read from a texture of distances, and no ray is cast.
     pub(super) given: bool,
@@ -62,7 +65,11 @@ impl TerrainKey {
             // A miss is an error to be shown, whatever a picture would show in its place.
             discard_misses: march.discard_misses || output == Output::View(DebugView::Error),
             lighting: shaded && scene.lighting.enabled && !land.lights_ground(),
-            diffuse: shaded && scene.diffuse.enabled && !land.colours_ground(),
+            diffuse: shaded
+                && scene.diffuse.enabled
+                && scene.diffuse.source == ColourSource::Texture
+                && !land.colours_ground(),
+            materials: if shaded && !land.colours_ground() { MaterialsKey::of(scene) } else { MaterialsKey::default() },
             layered: scene.craters.mode == CraterMode::Layered && !scene.craters.list.is_empty(),
             given: false,
             holes: false,
@@ -99,17 +106,17 @@ impl TerrainKey {
     /// The same for a view that is a deep zoom, or none. Only the exact technique is precise enough to need more than f32
     /// has: the others are wrong by more than that, and what is given as an f32 distance has lost it already.
     pub(super) fn in_a_deep_zoom(self, deep: bool) -> Self {
-        Self { deep: deep && self.starts_from_beams(), ..self }
+        Self { deep: deep && self.starts_from_beams() && !self.is_smooth(), ..self }
     }
 
     /// The same counting texel reads. Only the exact technique's differ from its steps by more than a factor.
     pub(super) fn counting_reads(self) -> Self {
-        Self { counts: self.needs_pyramid() && !self.deep, ..self }
+        Self { counts: self.starts_from_beams() && !self.is_smooth() && !self.deep, ..self }
     }
 
     /// The same over a map with holes, or without.
     pub(super) fn over_holes(self, holes: bool) -> Self {
-        Self { holes: holes && self.reads_heights(), ..self }
+        Self { holes: holes && self.reads_heights() && !self.is_smooth(), ..self }
     }
 
     /// Whether the pass finds out where the ground is.
@@ -128,7 +135,12 @@ impl TerrainKey {
     }
 
     fn needs_normals(&self) -> bool {
-        self.lighting || self.land.needs_normals() || self.output == Output::View(DebugView::Normals)
+        self.shading_normal() || self.land.needs_normals() || self.output == Output::View(DebugView::Normals)
+    }
+
+    /// Whether what is hit is shaded by its normal.
+    fn shading_normal(&self) -> bool {
+        self.lighting || self.materials.on
     }
 
     /// Whether hits are compared with the exact distances.
@@ -138,7 +150,12 @@ impl TerrainKey {
 
     /// Whether rays walk the maximum pyramid from where beams end.
     pub(super) fn starts_from_beams(&self) -> bool {
-        self.marches() && self.technique == Technique::MaxMipmap
+        self.marches() && self.technique.walks_pyramid()
+    }
+
+    /// Whether the ground is the smooth surface.
+    pub(super) fn is_smooth(&self) -> bool {
+        self.marches() && self.technique == Technique::Smooth
     }
 
     /// Whether the maximum pyramid is walked: by the technique, or towards the sun.
@@ -165,6 +182,7 @@ impl TerrainKey {
             discard_misses: false,
             lighting: false,
             diffuse: false,
+            materials: MaterialsKey::default(),
             layered: false,
             given: false,
             holes: false,
@@ -231,16 +249,62 @@ impl TerrainKey {
                 keys.extend(all);
             }
         }
+        keys.extend(Self::some_with_materials());
+        keys.extend(Self::some_of_the_smooth_surface());
         keys.into_iter().collect()
+    }
+
+    /// Each way to paint materials, under a few of the ways to find and light the ground.
+    #[cfg(test)]
+    fn some_with_materials() -> impl Iterator<Item = Self> {
+        let mut scene = Scene::default();
+        scene.diffuse.enabled = false;
+        let base = Self::of(&scene, false);
+        let bases = [
+            base,
+            base.in_a_deep_zoom(true),
+            base.over_holes(true),
+            base.in_a_deep_zoom(true).over_holes(true),
+            base.with_given_distances(),
+            Self { technique: Technique::Linear, ..base },
+        ];
+        bases.into_iter().flat_map(|base| {
+            let unlit = |key: MaterialsKey| Self { lighting: base.lighting && key.relief, materials: key, ..base };
+            MaterialsKey::all().map(unlit)
+        })
+    }
+
+    /// The smooth surface in each view, lit and not, and as a probe.
+    #[cfg(test)]
+    fn some_of_the_smooth_surface() -> impl Iterator<Item = Self> {
+        let mut scene = Scene::default();
+        scene.march.technique = Technique::Smooth;
+        let mut keys = vec![Self::of(&scene, true)];
+        for view in DebugView::ALL {
+            scene.debug.view = view;
+            keys.push(Self::of(&scene, false));
+        }
+        scene.debug.view = DebugView::None;
+        scene.lighting.enabled = false;
+        keys.push(Self::of(&scene, false));
+        scene.lighting.enabled = true;
+        scene.march.lower_start = false;
+        scene.craters.mode = CraterMode::Layered;
+        scene.craters.list.push(scene.craters.brush_at(0.5, 0.5));
+        scene.diffuse.source = ColourSource::Materials;
+        keys.push(Self::of(&scene, false));
+        keys.into_iter()
     }
 
     pub(super) fn defs(&self) -> Vec<&'static str> {
         let shaded = self.output == Output::View(DebugView::None);
-        [
+        let own = [
             (self.filter == HeightFilter::HardwareLinear, "FILTER_HARDWARE_LINEAR"),
             (self.filters_heights(), "HEIGHT_SAMPLER"),
             (self.filter == HeightFilter::Nearest, "FILTER_NEAREST"),
             (self.starts_from_beams(), "BEAM"),
+            (self.is_smooth(), "SMOOTH_SURFACE"),
+            (self.shading_normal(), "SHADING_NORMAL"),
             (self.deep, "DEEP_ZOOM"),
             (self.counts, "COUNT_READS"),
             (self.holes, "HOLES"),
@@ -259,12 +323,9 @@ impl TerrainKey {
             (self.needs_exact_distances(), "VIEW_ERROR"),
             (self.output == Output::View(DebugView::Normals), "VIEW_NORMALS"),
             (self.output == Output::View(DebugView::Distance), "VIEW_DISTANCE"),
-        ]
-        .into_iter()
-        .filter_map(|(on, def)| on.then_some(def))
-        .chain(self.land.defs())
-        .chain(self.light.defs())
-        .collect()
+        ];
+        let own = own.into_iter().filter_map(|(on, def)| on.then_some(def));
+        own.chain(self.land.defs()).chain(self.light.defs()).chain(self.materials.defs()).collect()
     }
 
     pub(super) fn march_file(&self) -> &'static str {
@@ -275,7 +336,7 @@ impl TerrainKey {
             Technique::Cone => "march/cone.wgsl",
             Technique::RelaxedCone => "march/relaxed-cone.wgsl",
             Technique::MaxMipmap if self.deep => "march/max-mipmap-deep.wgsl",
-            Technique::MaxMipmap => "march/max-mipmap.wgsl",
+            Technique::MaxMipmap | Technique::Smooth => "march/max-mipmap.wgsl",
         }
     }
 }

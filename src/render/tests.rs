@@ -10,6 +10,7 @@ use super::cube::{clip_corners, in_view};
 use super::frame::FrameUniform;
 use super::light::{LightKey, LightUniform};
 use super::light_map::LightMapKey;
+use super::materials::MaterialsUniform;
 use super::occluder::{CubeUniform, OccluderKey};
 use super::pipelines::sources;
 use super::terrain::{TerrainKey, TerrainUniform};
@@ -17,7 +18,7 @@ use super::*;
 use crate::camera::{Camera, NamedView};
 use crate::gpu::COLOR_FORMAT;
 use crate::scene::light::Shadows;
-use crate::scene::{CraterMode, HeightFilter, Technique};
+use crate::scene::{ColourSource, CraterMode, HeightFilter, Technique};
 
 /// Offsets and size of a WGSL struct, as naga laid it out. naga_oil decorates names, so the struct is found by its stem.
 fn wgsl_layout(module: &naga::Module, name: &str) -> (BTreeMap<String, u32>, u32) {
@@ -151,6 +152,11 @@ fn rust_and_wgsl_agree_on_every_uniform() {
             grounds,
         ]
     );
+    let mut scene = Scene::default();
+    scene.diffuse.source = ColourSource::Materials;
+    let pass = terrain::describe(TerrainKey::of(&scene, false));
+    let module = sources().compose(pass.file, &pass.modules, &pass.defs).unwrap();
+    assert_layout!(&module, "Materials", MaterialsUniform, [dark, light, levels, slopes, repeats, relief]);
     let pass = terrain::describe(TerrainKey { light: LightKey::all()[2], ..key });
     let module = sources().compose(pass.file, &pass.modules, &pass.defs).unwrap();
     assert_layout!(&module, "Light", LightUniform, [columns, shares, cube, sky, sun, cells_per_texel]);
@@ -224,8 +230,28 @@ fn what_is_off_is_not_in_the_shader() {
     bare.march.technique = Technique::Linear;
     bare.march.filter = HeightFilter::Nearest;
     let bare = names(&bare);
-    for absent in ["ground_normal", "diffuse_texture", "pyramid", "intersect_patch", "height_sampler", "crater_layer"] {
+    for absent in [
+        "meet_smooth",
+        "materials",
+        "ground_normal",
+        "diffuse_texture",
+        "pyramid",
+        "intersect_patch",
+        "height_sampler",
+        "crater_layer",
+    ] {
         assert!(!bare.contains(absent), "{absent} is in {bare}");
+    }
+    assert!(!full.contains("meet_smooth") && !full.contains("material"), "{full}");
+    let mut smooth = Scene::default();
+    smooth.march.technique = Technique::Smooth;
+    smooth.diffuse.source = ColourSource::Materials;
+    let smooth = names(&smooth);
+    for present in ["meet_smooth", "smooth_normal", "material_textures"] {
+        assert!(smooth.contains(present), "{present} is missing from {smooth}");
+    }
+    for absent in ["intersect_patch", "difference_weights", "diffuse_texture", "coverage_maps"] {
+        assert!(!smooth.contains(absent), "{absent} is in {smooth}");
     }
     let mut layered = Scene::default();
     layered.craters.mode = CraterMode::Layered;

@@ -12,7 +12,7 @@ use super::{Halt, Job};
 use crate::heightfield::Crater;
 use crate::render::RenderError;
 use crate::scene::light::{Shadows, SkyModel};
-use crate::scene::{CraterMode, GroundColour, HeightFilter, Hillshade, Scene, Technique};
+use crate::scene::{ColourSource, CraterMode, GroundColour, HeightFilter, Hillshade, Scene, Technique};
 
 /// A feature that is switched against the base frame.
 #[derive(Clone, Debug, Serialize)]
@@ -59,7 +59,7 @@ fn variants(job: &Job, scene: &Scene, able: &[Technique]) -> Vec<(String, Scene,
     (base.lighting.baked, base.lighting.occlusion) = (false, false);
     base.skybox.model = SkyModel::Painted;
     let list = craters(job);
-    let changes: [Change<'_>; 20] = [
+    let changes: [Change<'_>; 23] = [
         ("base frame", None, &|_| {}),
         ("without halvings", None, &|scene| scene.march.binary_steps = 0),
         ("fixed steps (512) instead of by angle", None, &|scene| scene.march.steps_by_angle = false),
@@ -87,6 +87,14 @@ fn variants(job: &Job, scene: &Scene, able: &[Technique]) -> Vec<(String, Scene,
         ("light of a physical sky", None, &|scene| {
             (scene.skybox.enabled, scene.skybox.model) = (true, SkyModel::Physical);
         }),
+        ("materials instead of a diffuse texture", None, &|scene| {
+            (scene.diffuse.enabled, scene.diffuse.source) = (true, ColourSource::Materials);
+        }),
+        ("materials without relief", None, &|scene| {
+            (scene.diffuse.enabled, scene.diffuse.source) = (true, ColourSource::Materials);
+            scene.materials.relief = 0.0;
+        }),
+        ("`smooth`: another surface, without creases", None, &|scene| scene.march.technique = Technique::Smooth),
         ("without a diffuse texture", None, &|scene| scene.diffuse.enabled = !scene.diffuse.enabled),
     ];
     let changed = |change: &dyn Fn(&mut Scene)| {
@@ -164,7 +172,7 @@ fn view_times(
         }
         match studio.frame(scene).and_then(|_| studio.frame(scene)) {
             Ok(ms) => first.push(Some(ms)),
-            Err(error @ RenderError::Unsupported { .. }) => {
+            Err(error @ (RenderError::Unsupported { .. } | RenderError::Impossible { .. })) => {
                 let note = format!("Table 1, {name}: {}", first_line(&error));
                 if !left_out.contains(&note) {
                     left_out.push(note);

@@ -18,7 +18,7 @@ pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
                        still drawn once.";
         toggle(ui, &mut compare.enabled, "Enable compare", tooltip);
         let (off, why) = (!compare.enabled, "the picture is not split");
-        let choices = Technique::ALL.map(|value| Choice {
+        let choices = Technique::CHOICES.map(|value| Choice {
             value,
             name: value.name(),
             off: None,

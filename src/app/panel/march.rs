@@ -30,7 +30,7 @@ pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
 }
 
 fn technique(ui: &mut Ui, march: &mut MarchSettings) {
-    let choices = Technique::ALL.map(|value| Choice {
+    let choices = Technique::CHOICES.map(|value| Choice {
         value,
         name: value.name(),
         off: None,
@@ -51,6 +51,10 @@ fn technique(ui: &mut Ui, march: &mut MarchSettings) {
                  until then max-mipmap draws."
             }
             Technique::MaxMipmap => "Exact: skips along a pyramid of maxima and meets the bilinear surface itself.",
+            Technique::Smooth => {
+                "Another surface: rounded between the samples, without the creases of the bilinear one. Takes longer in each \
+                 cell that a ray comes near, and a map without holes."
+            }
         },
     });
     let tooltip = "How a ray finds the ground. Each technique is a pipeline of its own, built on first use.";

@@ -15,6 +15,7 @@ mod land;
 mod ledger;
 mod lighting;
 mod march;
+mod materials;
 mod occluder;
 mod path;
 mod skybox;
@@ -53,7 +54,7 @@ pub(crate) struct Panel<'a> {
 type Section = (&'static str, fn(&mut egui::Ui, &mut Panel<'_>));
 
 /// All sections from top to bottom.
-const SECTIONS: [Section; 21] = [
+const SECTIONS: [Section; 22] = [
     ("Files", files::show),
     ("Terrain", terrain::show),
     ("Import", import::show),
@@ -65,6 +66,7 @@ const SECTIONS: [Section; 21] = [
     ("Diffuse", diffuse::show),
     ("Lighting", lighting::show),
     ("Land", land::show),
+    ("Materials", materials::show),
     ("Skybox", skybox::show),
     ("Sun", sun::show),
     ("Occluder", occluder::show),
