@@ -5,7 +5,7 @@ use serde::Serialize;
 /// What the last frame cost and what is alive.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Ledger {
-    /// Passes in their order: `coarse beam`, `beam`, `exact`, `terrain`, `compare`, `wireframe`, `occluder`, `skybox` of the last scene frame, then `present` and
+    /// Passes in their order: `light map` when it is drawn, `coarse beam`, `beam`, `exact`, `terrain`, `compare`, `wireframe`, `occluder`, `skybox` of the last scene frame, then `present` and
     /// `egui` of the last time it was shown. A frame of the panel alone runs only those two again.
     pub passes: Vec<String>,
     /// The renderer's pipelines alive, by name.
@@ -31,7 +31,7 @@ pub struct Ledger {
 /// A texture of the ledger.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TextureEntry {
-    /// What it is for: `heights`, `pyramid`, `cones`, `crater layer`, `diffuse`, `sky`, `coarse beam`, `beam`, `exact`, `reference`,
+    /// What it is for: `heights`, `pyramid`, `cones`, `crater layer`, `diffuse`, `sky`, `light map`, `coarse beam`, `beam`, `exact`, `reference`,
     /// `picture`, `depth`.
     pub name: String,
     /// Texels across.

@@ -113,8 +113,8 @@ impl LightKey {
     pub(super) fn all() -> Vec<Self> {
         let with = |shadows, occluder, sky| Self { shadows, occluder, sky, ..Self::default() };
         vec![
-            with(Shadows::Off, false, true),
             with(Shadows::Hard, false, false),
+            with(Shadows::Off, false, true),
             with(Shadows::Soft, false, true),
             with(Shadows::Hard, true, true),
             with(Shadows::Soft, true, false),
