@@ -10,7 +10,7 @@ use egui_kittest::kittest::{NodeT, Queryable};
 use super::*;
 use crate::camera::NamedView;
 use crate::heightfield::HeightField;
-use crate::scene::{CraterMode, Technique};
+use crate::scene::{CraterMode, DebugView, Technique};
 
 /// What the panel works on.
 struct State {
@@ -41,6 +41,7 @@ impl State {
         scene.diffuse.file = Some("a.png".into());
         scene.skybox.faces = Some(["a", "b", "c", "d", "e", "f"].map(Into::into));
         scene.terrain.height_scale = Some(0.31);
+        scene.debug.view = DebugView::Steps;
         let mut view = ViewSettings::default();
         view.bookmarks.extend((1..=9).map(|digit: u32| (digit.to_string(), scene.camera.unwrap())));
         for x in [0.0, 1.0, 2.0] {
