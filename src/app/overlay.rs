@@ -342,8 +342,8 @@ mod tests {
     fn the_help_is_whole_where_there_is_room_and_scrolls_where_there_is_none() {
         let whole = help_in(&[[4000.0, 3000.0]]);
         assert!(whole.width() > 500.0 && whole.height() > 400.0, "{whole}");
-        assert_eq!(help_in(&[[1280.0, 800.0]]).size(), whole.size());
-        assert_eq!(help_in(&[[420.0, 300.0], [1280.0, 800.0]]).size(), whole.size(), "it follows a growing window");
+        assert_eq!(help_in(&[[1600.0, 1000.0]]).size(), whole.size());
+        assert_eq!(help_in(&[[420.0, 300.0], [1600.0, 1000.0]]).size(), whole.size(), "it follows a growing window");
         for screens in [&[[420.0, 300.0]][..], &[[1280.0, 800.0], [420.0, 300.0]]] {
             let small = help_in(screens);
             assert!(Rect::from_min_size(Pos2::ZERO, vec2(420.0, 300.0)).contains_rect(small), "{small}");

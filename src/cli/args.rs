@@ -13,7 +13,7 @@ use crate::camera::NamedView;
 use crate::heightfield::Holes;
 use crate::heightfield::import::{Encoding, Endian, ImportOptions, NoData, RawType, TooLarge, VerticalUnit};
 use crate::scene::light::{Shadows, SkyModel};
-use crate::scene::{ColourSource, CraterMode, DebugView, HeightFilter, Technique};
+use crate::scene::{CraterMode, DebugView, HeightFilter, Technique};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -371,9 +371,6 @@ pub(crate) struct SceneArgs {
     /// Plain grey ground
     #[arg(long, conflicts_with_all = ["texture", "repeats"], help_heading = "Looks")]
     pub(crate) no_texture: bool,
-    /// What colours the ground: a texture, or materials (grass, rock, scree, snow, sand) by slope and height [default: texture]
-    #[arg(long, value_name = "SOURCE", value_enum, help_heading = "Looks")]
-    pub(crate) colour: Option<ColourSource>,
     /// An image whose red, green, blue and alpha say where grass, rock, scree and snow are, a second one sand and sea bed;
     /// repeatable; implies --colour materials
     #[arg(long = "coverage", value_name = "IMAGE", value_parser = parse::input_file(), help_heading = "Looks")]

@@ -7,7 +7,7 @@ use clap::Args;
 use super::parse;
 use crate::heightfield::{HEIGHT_SCALES, HeightField};
 use crate::scene::land::{LandScale, number};
-use crate::scene::{GroundColour, Hillshade, Ramp, Scene};
+use crate::scene::{ColourSource, GroundColour, Hillshade, Ramp, Scene};
 
 /// Contour lines as asked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,6 +16,37 @@ pub(crate) enum Contours {
     Auto,
     /// An interval in metres, or in the map's own numbers.
     Every(f64),
+}
+
+/// What colours the ground: one option for what are two settings of a scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub(crate) enum Colour {
+    /// Its texture
+    Texture,
+    /// Grass, rock, scree, snow and sand by slope and height
+    Materials,
+    /// Its height, by a ramp
+    Ramp,
+    /// Its steepness in true degrees
+    Slope,
+    /// The direction in which it falls
+    Aspect,
+}
+
+impl Colour {
+    fn apply(self, scene: &mut Scene) {
+        scene.land.colour = match self {
+            Self::Texture | Self::Materials => GroundColour::Texture,
+            Self::Ramp => GroundColour::Ramp,
+            Self::Slope => GroundColour::Slope,
+            Self::Aspect => GroundColour::Aspect,
+        };
+        match self {
+            Self::Texture => scene.diffuse.source = ColourSource::Texture,
+            Self::Materials => scene.diffuse.source = ColourSource::Materials,
+            Self::Ramp | Self::Slope | Self::Aspect => {}
+        }
+    }
 }
 
 /// How the land is shown as on a map.
@@ -28,9 +59,9 @@ pub(crate) struct LandArgs {
     /// Heights of the ramp's ends, metres where the map knows them [default: the map's lowest..highest]
     #[arg(long, value_name = "LOW..HIGH", value_parser = range, allow_hyphen_values = true)]
     pub(crate) ramp_range: Option<[f64; 2]>,
-    /// Colour the ground by its texture, height, steepness (true degrees) or the direction in which it falls
+    /// What colours the ground [default: texture]
     #[arg(long, value_name = "BY", value_enum)]
-    pub(crate) colour: Option<GroundColour>,
+    pub(crate) colour: Option<Colour>,
     /// Contour lines every so many metres (the map's own numbers where it knows none); without a number by the map's range
     #[arg(long, value_name = "INTERVAL", value_parser = contours, num_args = 0..=1, default_missing_value = "auto",
         require_equals = true)]
@@ -49,6 +80,9 @@ pub(crate) struct LandArgs {
 impl LandArgs {
     /// Sets what was asked for.
     pub(crate) fn apply(&self, scene: &mut Scene) {
+        if let Some(colour) = self.colour {
+            colour.apply(scene);
+        }
         let land = &mut scene.land;
         if let Some(ramp) = self.ramp {
             (land.colour, land.ramp) = (GroundColour::Ramp, ramp);
@@ -56,7 +90,6 @@ impl LandArgs {
         if let Some([low, high]) = self.ramp_range {
             (land.low, land.high) = (Some(low), Some(high));
         }
-        land.colour = self.colour.unwrap_or(land.colour);
         land.hillshade = self.hillshade.unwrap_or(land.hillshade);
         match self.contours {
             Some(Contours::Every(interval)) => (land.contours, land.contour_interval) = (true, Some(interval)),

@@ -14,7 +14,7 @@ use crate::camera::{Camera, NamedView};
 use crate::gpu::Gpu;
 use crate::heightfield::import::{ImportOptions, Listener};
 use crate::heightfield::{HeightField, LoadError, Loaded, gallery, generate::recipe_file, load};
-use crate::scene::{ColourSource, Scene};
+use crate::scene::{ColourSource, GroundColour, Scene};
 use crate::scene_file;
 
 /// Samples on a side that every adapter this program meets can hold in a texture.
@@ -203,9 +203,8 @@ pub(crate) fn compose(args: &SceneArgs) -> Result<Scene, Failure> {
     set_some(&mut scene.diffuse.file, args.texture.clone());
     if !args.coverage.is_empty() {
         scene.materials.coverage.clone_from(&args.coverage);
-        scene.diffuse.source = ColourSource::Materials;
+        (scene.land.colour, scene.diffuse.source) = (GroundColour::Texture, ColourSource::Materials);
     }
-    set(&mut scene.diffuse.source, args.colour);
     set(&mut scene.diffuse.repeats, args.repeats);
     args.land.apply(&mut scene);
     scene.lighting.enabled &= !args.no_lighting;

@@ -9,8 +9,20 @@ use super::import::{Georeference, ImportOptions, PixelIs, Taken, UnitText};
 use super::{HEIGHT_SCALES, HeightField};
 
 /// The tables of a scene file. A screenshot's scene has the stem of its picture, just as a sidecar would.
-const SCENE_TABLES: [&str; 11] =
-    ["terrain", "camera", "march", "compare", "diffuse", "land", "lighting", "skybox", "occluder", "craters", "debug"];
+const SCENE_TABLES: [&str; 12] = [
+    "terrain",
+    "camera",
+    "march",
+    "compare",
+    "diffuse",
+    "land",
+    "materials",
+    "lighting",
+    "skybox",
+    "occluder",
+    "craters",
+    "debug",
+];
 
 /// What a height map shows: the file with the map's stem and the ending `.toml`. Every key may be left out.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -149,7 +149,15 @@ fn use_control(harness: &mut Harness<'_, State>, role: Role, name: &str) -> bool
                 harness.run_steps(6);
             }
         }
-        _ => harness.get_by_role_and_label(role, name).click(),
+        _ => {
+            let closed = controls(harness).len();
+            harness.get_by_role_and_label(role, name).click();
+            harness.run_steps(6);
+            // A menu has opened.
+            if controls(harness).len() > closed {
+                return true;
+            }
+        }
     }
     harness.run_steps(6);
     harness.state().print() != before
