@@ -26,7 +26,7 @@ struct Materials {
     relief: vec4f,
 }
 
-@group(1) @binding(25) var<uniform> materials: Materials;
+@group(1) @binding(16) var<uniform> materials: Materials;
 @group(1) @binding(26) var material_textures: texture_2d_array<f32>;
 @group(1) @binding(27) var material_sampler: sampler;
 #ifdef MATERIALS_COVERAGE

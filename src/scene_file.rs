@@ -119,6 +119,13 @@ pub fn to_toml(scene: &Scene) -> Result<String, SceneFileError> {
 }
 
 /// All files that a scene names.
+pub(crate) fn files(scene: &Scene) -> impl Iterator<Item = &PathBuf> {
+    let faces = scene.skybox.faces.iter().flatten();
+    let images = scene.diffuse.file.iter().chain(&scene.land.imagery).chain(&scene.materials.coverage);
+    scene.terrain.file.iter().chain(images).chain(faces)
+}
+
+/// The same, to be changed.
 fn files_mut(scene: &mut Scene) -> impl Iterator<Item = &mut PathBuf> {
     let faces = scene.skybox.faces.iter_mut().flatten();
     let images =

@@ -9,6 +9,7 @@ use image::{Rgba, RgbaImage};
 use relief::camera::NamedView;
 use relief::gpu::Target;
 use relief::render::{RenderError, Renderer};
+use relief::scene::light::{Shadows, SkyModel};
 use relief::scene::{ColourSource, LevelUnit, Scene};
 
 /// Enough for a mean colour.
@@ -203,4 +204,29 @@ fn distance_does_not_shimmer() {
     let difference = common::pictures::Difference::of(&here, &beside, tolerance).unwrap();
     println!("{} of {} pixels change by more than {}", difference.pixels, difference.compared, tolerance.channel);
     assert!(difference.is_within(tolerance), "{} pixels", difference.pixels);
+}
+
+/// Features that each have a buffer of constants: lavapipe writes beyond an array of its own where the fragments of a pass can
+/// read more than three, and takes the program down with it.
+#[test]
+fn everything_together_is_drawn() {
+    let map = canyon();
+    let (mut renderer, target) = (renderer(&map), Target::new(&gpu(), [32, 24]));
+    for deep in [false, true] {
+        let mut scene = painted(NamedView::Start);
+        scene.lighting.shadows = Shadows::Hard;
+        scene.skybox.model = SkyModel::Physical;
+        (scene.land.contours, scene.occluder.enabled) = (true, true);
+        if let Some(camera) = scene.camera.as_mut().filter(|_| deep) {
+            camera.fov = 1e-4;
+        }
+        renderer.draw(&scene, &target).unwrap();
+        let defs = &renderer.ledger().shader_defs;
+        for def in ["MATERIALS", "SHADOWS", "SKY_LIGHT", "LAND_CONTOURS"] {
+            assert!(defs.iter().any(|own| own == def), "{def} is not in {defs:?}");
+        }
+        assert_eq!(defs.iter().any(|def| def == "DEEP_ZOOM"), deep);
+        let picture = target.read_color(&gpu()).unwrap();
+        assert!(picture.chunks_exact(4).any(|pixel| pixel != &picture[..4]), "it shows something");
+    }
 }

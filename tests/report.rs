@@ -55,7 +55,8 @@ fn the_same_map_gives_the_same_errors_and_the_exact_technique_has_none() {
     let folder = folder_with_map();
     for name in ["a", "deep/b"] {
         let (code, stderr) = relief(folder.path(), &format!("report map.png -o {name} --quick --size 48x30"));
-        assert_eq!((code, stderr), (0, format!("relief: the report is in {name}; begin with report.md\n")));
+        let end = format!("relief: the report is in {name}; begin with report.md\n");
+        assert!(code == 0 && stderr.ends_with(&end), "{stderr}");
     }
     let (a, b) = (folder.path().join("a"), folder.path().join("deep/b"));
     let mut names: Vec<_> = fs::read_dir(&a).unwrap().map(|entry| entry.unwrap().file_name()).collect();
@@ -106,7 +107,7 @@ fn the_cameras_of_scene_files_are_the_views() {
         [craters]\nlist = [{ x = 0.5, z = 0.5, radius = 0.2, depth = 0.5, rim = 0.1 }]\n";
     fs::write(folder.path().join("mine.toml"), scene).unwrap();
     let (code, stderr) = relief(folder.path(), "report -o out --quick --size 20x16 --scene mine.toml");
-    assert_eq!((code, stderr.as_str()), (0, "relief: the report is in out; begin with report.md\n"));
+    assert!(code == 0 && stderr.ends_with("relief: the report is in out; begin with report.md\n"), "{stderr}");
     let rows = rows(&folder.path().join("out"));
     assert!(rows.iter().all(|row| row[0] == "mine"));
     let exact = rows.iter().find(|row| row[1] == "max-mipmap").unwrap();

@@ -45,6 +45,8 @@ impl Viewer {
         self.redraw.invalidate();
         if self.pointer.captured {
             self.capture(false);
+        } else if self.files.asks() {
+            // The window of files closes itself.
         } else if self.view.welcome {
             self.view.welcome = false;
         } else if self.view.reading.measure {
@@ -55,8 +57,6 @@ impl Viewer {
             // It stays where it is.
         } else if self.film.is_some() {
             self.cancel_export(now);
-        } else if self.files.asks() {
-            // The window of files closes itself.
         } else if self.loader.is_busy() {
             self.cancel_opening();
         } else if self.tradeoff.progress().is_some() {

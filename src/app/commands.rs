@@ -21,7 +21,10 @@ impl Viewer {
             Command::SetBookmark(digit) => self.set_bookmark(digit, Instant::now()),
             Command::Path(command) => self.path_command(graphics, command, Instant::now()),
             Command::Files(command) => self.files_command(command),
-            Command::View(view) => self.scene.camera = Some(view.camera(&self.map, self.extent())),
+            Command::View(view) => {
+                self.journey.stop();
+                self.scene.camera = Some(view.camera(&self.map, self.extent()));
+            }
             Command::UndoCrater => {
                 self.scene.craters.list.pop();
             }

@@ -188,7 +188,7 @@ fn no_compiler(reason: &str) -> RenderError {
 
 /// Scenes that `shown`'s pipelines can draw in place of `wanted`, the nearest to it first. The eye is always where it is
 /// wanted.
-fn stand_ins(wanted: &Scene, shown: &Scene) -> [Scene; 2] {
+fn stand_ins(wanted: &Scene, shown: &Scene) -> [Scene; 3] {
     let mut near = wanted.clone();
     (near.march, near.debug) = (shown.march.clone(), shown.debug.clone());
     (near.compare.enabled, near.compare.technique) = (shown.compare.enabled, shown.compare.technique);
@@ -197,11 +197,14 @@ fn stand_ins(wanted: &Scene, shown: &Scene) -> [Scene; 2] {
     (near.lighting.baked, near.lighting.occlusion) = (shown.lighting.baked, shown.lighting.occlusion);
     (near.diffuse.enabled, near.diffuse.source) = (shown.diffuse.enabled, shown.diffuse.source);
     near.materials.clone_from(&shown.materials);
+    near.land.clone_from(&shown.land);
     near.skybox.enabled = shown.skybox.enabled;
     near.occluder.enabled = shown.occluder.enabled;
     // Where the craters need pipelines, too, the old ones stay.
     let far = Scene { craters: shown.craters.clone(), ..near.clone() };
-    [near, far]
+    // A sun that has just set needs other pipelines, too, and whatever is forgotten here: only the eye is new.
+    let farthest = Scene { camera: wanted.camera, ..shown.clone() };
+    [near, far, farthest]
 }
 
 /// `scene` as it can be drawn at once in a picture of `size` pixels: with the settings of `shown`, the scene drawn last, while

@@ -110,7 +110,7 @@ impl Viewer {
             camera.eye += self.fly.step(&camera, height, now);
             self.scene.camera = Some(camera);
         }
-        self.ran = if self.scene.lighting.clock.runs() {
+        self.ran = if self.sun_moves() {
             let passed = now.saturating_duration_since(self.ran.unwrap_or(now)).min(LONGEST_SPIN);
             self.scene.lighting.clock.run(passed.as_secs_f64());
             Some(now)

@@ -191,7 +191,7 @@ impl Viewer {
             }
             match self.view.mode {
                 Mode::Fly => self.pointer.dragging |= button == MouseButton::Right,
-                Mode::Orbit if turns => {
+                Mode::Orbit if turns && !(button == MouseButton::Left && self.view.reading.measure) => {
                     let pivot = self.terrain(graphics).pivot(&self.camera(), graphics.target.size());
                     self.pointer.orbiting = Some(pivot);
                 }

@@ -79,6 +79,7 @@ impl Viewer {
     /// Glides to a view, or is there at once where motion is reduced.
     pub(super) fn go_to(&mut self, camera: Camera, now: Instant) {
         self.journey.stop();
+        self.pointer.orbiting = None;
         if self.reduces_motion() {
             self.scene.camera = Some(camera);
         } else {

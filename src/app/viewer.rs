@@ -33,7 +33,7 @@ use super::{ViewerOptions, desktop, watch};
 use crate::camera::{Camera, NamedView};
 use crate::heightfield::HeightField;
 use crate::render::RenderError;
-use crate::scene::{CraterSettings, Scene};
+use crate::scene::{CraterSettings, Hillshade, LevelUnit, MaterialSettings, Scene, Technique};
 
 /// Saving a file makes several events; shaders are read once they have been quiet for so long.
 const SHADER_PAUSE: Duration = Duration::from_millis(120);
@@ -306,7 +306,13 @@ impl Viewer {
 
     /// Whether every frame shows another picture than the last.
     pub(super) fn moves(&self) -> bool {
-        self.fly.is_moving() || self.journey.is_under_way() || self.spins() || self.scene.lighting.clock.runs()
+        self.fly.is_moving() || self.journey.is_under_way() || self.spins() || self.sun_moves()
+    }
+
+    /// Whether the clock runs where something of the picture follows the sun.
+    pub(super) fn sun_moves(&self) -> bool {
+        let Scene { lighting, skybox, land, .. } = &self.scene;
+        lighting.clock.runs() && (lighting.enabled || skybox.enabled || land.hillshade == Hillshade::Sun)
     }
 
     /// Whether steps per ray are wanted, and there is a picture to measure them for. What is being compiled may be for them.
@@ -396,6 +402,8 @@ impl Viewer {
                 return Ok(());
             }
         }
+        // The old map's bookmarks are written before they are those of the new one.
+        self.keep_now();
         self.map = opened.map;
         self.tradeoff.forget();
         self.view.reading.forget();
@@ -405,15 +413,19 @@ impl Viewer {
         // The old map's heights and place mean nothing here.
         (self.scene.land.low, self.scene.land.high, self.scene.land.contour_interval) = (None, None, None);
         self.scene.land.imagery = None;
+        self.scene.materials.coverage.clear();
         self.scene.craters.list.clear();
         self.scene.occluder.position = None;
         (self.scene.lighting.clock.latitude, self.scene.lighting.clock.longitude) = (None, None);
         self.scene.lighting.clock.stand_on(opened.bounds);
         self.scene.camera = Some(NamedView::Start.camera(&self.map, self.extent()));
         self.arrive(&opened.about, left);
+        self.leave_out_what_it_cannot_show(now);
         (self.drawn, self.shown, self.last_good) = (None, None, None);
         self.journey.stop();
-        self.film = None;
+        if self.film.is_some() {
+            self.cancel_export(now);
+        }
         self.take_up_bookmarks();
         // Its picture may need other pipelines, as that of a first map with holes does: said before they are waited for.
         let size = graphics.target.size();
@@ -426,6 +438,22 @@ impl Viewer {
             self.toasts.warning(&warning, now);
         }
         Ok(())
+    }
+
+    /// Settings that are kept from map to map, and that this one cannot be drawn with.
+    fn leave_out_what_it_cannot_show(&mut self, now: Instant) {
+        let smooth = [&mut self.scene.march.technique, &mut self.scene.compare.technique];
+        if self.map.holes().is_some() && smooth.iter().any(|technique| **technique == Technique::Smooth) {
+            for technique in smooth.into_iter().filter(|technique| **technique == Technique::Smooth) {
+                *technique = Technique::MaxMipmap;
+            }
+            self.toasts.info("The map has holes: max-mipmap draws it, not smooth.", now);
+        }
+        let materials = &mut self.scene.materials;
+        if self.map.extent_metres().is_none() && materials.levels == LevelUnit::Metres {
+            *materials = MaterialSettings { coverage: std::mem::take(&mut materials.coverage), ..Default::default() };
+            self.toasts.info("The map knows no metres: the materials' levels are shares of its height again.", now);
+        }
     }
 
     fn reload_shaders(&mut self, graphics: &mut Graphics, now: Instant) -> Result<(), FrameError> {

@@ -369,7 +369,7 @@ pub(crate) struct SceneArgs {
     pub(crate) no_discard: bool,
 
     /// Plain grey ground
-    #[arg(long, conflicts_with_all = ["texture", "repeats"], help_heading = "Looks")]
+    #[arg(long, conflicts_with_all = ["texture", "repeats", "coverage"], help_heading = "Looks")]
     pub(crate) no_texture: bool,
     /// An image whose red, green, blue and alpha say where grass, rock, scree and snow are, a second one sand and sea bed;
     /// repeatable; implies --colour materials

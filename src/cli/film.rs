@@ -9,6 +9,7 @@ use super::render::Easel;
 use super::terrain::{self, Source};
 use crate::animation::{AnimationWriter, Kind};
 use crate::camera_path::{CameraPath, PathFileError};
+use crate::scene_file;
 
 /// Draws the way of `path` into the folder or the file that `args` names.
 pub(super) fn run(args: &RenderArgs, path: &Path) -> Result<(), Failure> {
@@ -20,11 +21,11 @@ pub(super) fn run(args: &RenderArgs, path: &Path) -> Result<(), Failure> {
     // Refused before any long work.
     let mut writer = AnimationWriter::new(&args.output, args.size, count, args.frames_per_second)?;
     let mut scene = terrain::compose(&args.scene)?;
-    let inputs = scene.terrain.file.iter().chain(&scene.diffuse.file).chain(scene.skybox.faces.iter().flatten());
-    let inputs = inputs.map(AsRef::as_ref).chain(args.scene.scene.as_deref()).chain([path]);
+    let inputs = scene_file::files(&scene).map(AsRef::as_ref).chain(args.scene.scene.as_deref()).chain([path]);
     spare(&args.output, inputs)?;
     let (gpu, map) = Source::chosen(&args.scene, &scene).load_for_gpu(&args.scene.open.options())?;
     terrain::check_size(args.size, gpu.capabilities.max_texture)?;
+    scene.lighting.clock.stand_on(map.geographic_bounds());
     scene.camera = Some(track.at(0.0));
     terrain::place_camera(&args.scene, &mut scene, &map.field)?;
     terrain::warn_of(&scene, &map.field);

@@ -43,7 +43,7 @@ impl Colour {
         };
         match self {
             Self::Texture => scene.diffuse.source = ColourSource::Texture,
-            Self::Materials => scene.diffuse.source = ColourSource::Materials,
+            Self::Materials => (scene.diffuse.enabled, scene.diffuse.source) = (true, ColourSource::Materials),
             Self::Ramp | Self::Slope | Self::Aspect => {}
         }
     }

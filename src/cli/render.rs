@@ -136,16 +136,7 @@ impl Outputs {
 
     /// Refuses to replace a file that the picture is made from.
     fn spare_the_inputs(&self, scene: &Scene, scene_file: Option<&Path>) -> Result<(), Failure> {
-        let faces = scene.skybox.faces.iter().flatten();
-        let files = scene
-            .terrain
-            .file
-            .iter()
-            .chain(&scene.diffuse.file)
-            .chain(&scene.land.imagery)
-            .chain(&scene.materials.coverage)
-            .chain(faces)
-            .map(PathBuf::as_path);
+        let files = crate::scene_file::files(scene).map(PathBuf::as_path);
         for input in files.chain(scene_file) {
             if self.all().any(|output| output.same_file(input)) {
                 return Err(Failure::usage(format!("{} is an input and an output", input.display()))

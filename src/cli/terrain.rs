@@ -204,6 +204,7 @@ pub(crate) fn compose(args: &SceneArgs) -> Result<Scene, Failure> {
     if !args.coverage.is_empty() {
         scene.materials.coverage.clone_from(&args.coverage);
         (scene.land.colour, scene.diffuse.source) = (GroundColour::Texture, ColourSource::Materials);
+        scene.diffuse.enabled = true;
     }
     set(&mut scene.diffuse.repeats, args.repeats);
     args.land.apply(&mut scene);

@@ -30,6 +30,8 @@ pub(crate) fn run(args: &ViewArgs) -> Result<(), Failure> {
         Source::File { path, .. } => Some(std::path::absolute(path).unwrap_or_else(|_| path.clone())),
         Source::BuiltIn => None,
     };
+    // Bookmarks go by the whole path.
+    scene.terrain.file.clone_from(&path);
     let options = ViewerOptions {
         provenance: Some(Provenance::of(&map, path)),
         more: args.more.clone(),

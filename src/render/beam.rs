@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use crate::gpu::{Gpu, sized_texture};
 
-use super::frame::{texture_entry, uniform_entry};
+use super::frame::{FrameBindings, texture_entry, uniform_entry};
 use super::ground::Texture;
 use super::ledger::TextureEntry;
 use super::pipelines::{Built, PassDescription};
@@ -135,7 +135,7 @@ impl Beams {
         &self,
         encoder: &mut wgpu::CommandEncoder,
         passes: &[BeamPass; 2],
-        frame: &wgpu::BindGroup,
+        frame: &FrameBindings,
         area: Area,
         timestamps: Option<wgpu::RenderPassTimestampWrites<'_>>,
     ) {
@@ -156,7 +156,7 @@ impl Beams {
                 multiview_mask: None,
             });
             pass.set_pipeline(&built.pipeline);
-            pass.set_bind_group(0, frame, &[]);
+            pass.set_bind_group(0, frame.group(built), &[]);
             pass.set_bind_group(1, group, &[]);
             area.in_tiles(tiles.side()).scissor(&mut pass);
             pass.draw(0..3, 0..1);

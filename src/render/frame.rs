@@ -7,6 +7,7 @@ use crate::camera::Camera;
 use crate::gpu::Gpu;
 
 use super::cube::corner;
+use super::pipelines::Built;
 
 /// Mirror of `Frame` in `frame.wgsl`.
 #[repr(C)]
@@ -73,24 +74,46 @@ pub(crate) fn ray_start(camera: &Camera, extent: DVec3) -> f64 {
 /// The uniform buffer of bind group 0 and its layout.
 #[derive(Clone, Debug)]
 pub(super) struct FrameBindings {
-    pub(super) layout: wgpu::BindGroupLayout,
-    pub(super) group: wgpu::BindGroup,
+    pub(super) layout: FrameLayouts,
+    group: wgpu::BindGroup,
+    flat_group: wgpu::BindGroup,
     buffer: wgpu::Buffer,
+}
+
+/// Layouts of the frame's bind group.
+#[derive(Clone, Debug)]
+pub(super) struct FrameLayouts {
+    /// For passes whose vertices hand the constants on (`varyings.wgsl`): their fragments do not read it.
+    pub(super) flat: wgpu::BindGroupLayout,
+    /// For all others.
+    pub(super) all: wgpu::BindGroupLayout,
 }
 
 impl FrameBindings {
     pub(super) fn new(gpu: &Gpu) -> Self {
-        let layout = gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some("frame"),
-            entries: &[uniform_entry::<FrameUniform>(0)],
-        });
+        let layout = |visibility| {
+            gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+                label: Some("frame"),
+                entries: &[wgpu::BindGroupLayoutEntry { visibility, ..uniform_entry::<FrameUniform>(0) }],
+            })
+        };
+        let layout =
+            FrameLayouts { flat: layout(wgpu::ShaderStages::VERTEX), all: layout(wgpu::ShaderStages::VERTEX_FRAGMENT) };
         let buffer = uniform_buffer::<FrameUniform>(gpu, "frame");
-        let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("frame"),
-            layout: &layout,
-            entries: &[wgpu::BindGroupEntry { binding: 0, resource: buffer.as_entire_binding() }],
-        });
-        Self { layout, group, buffer }
+        let group = |layout| {
+            gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+                label: Some("frame"),
+                layout,
+                entries: &[wgpu::BindGroupEntry { binding: 0, resource: buffer.as_entire_binding() }],
+            })
+        };
+        let (group, flat_group) = (group(&layout.all), group(&layout.flat));
+        Self { layout, group, flat_group, buffer }
+    }
+
+    /// The bind group as this pipeline wants it.
+    pub(super) fn group(&self, built: &Built) -> &wgpu::BindGroup {
+        if built.flat { &self.flat_group } else { &self.group }
     }
 
     pub(super) fn write(&self, gpu: &Gpu, frame: &FrameUniform) {

@@ -9,6 +9,7 @@ use crate::scene::{DebugView, LightingSettings, Scene};
 
 use super::cube::corner;
 use super::frame::{uniform_buffer, uniform_entry, without_subnormals};
+use super::land::LandKey;
 use super::sky_model::Daylight;
 
 /// Binding of the uniform.
@@ -63,6 +64,14 @@ impl LightKey {
         let occluder = shadows != Shadows::Off && scene.occluder.enabled;
         let baked = shadows != Shadows::Off && scene.lighting.baked;
         Self { shadows, occluder, sky: scene.skybox.physical().is_some(), baked, occlusion: scene.lighting.occlusion }
+    }
+
+    /// The same for the whole picture: shades of relief in place of the light leave the ground's light map out. Shadows stay,
+    /// for the occluder.
+    pub(super) fn of_picture(scene: &Scene) -> Self {
+        let key = Self::of(scene);
+        let mapless = LandKey::of(&scene.land).lights_ground();
+        Self { baked: key.baked && !mapless, occlusion: key.occlusion && !mapless, ..key }
     }
 
     /// Whether the pass walks towards the sun.

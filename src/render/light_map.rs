@@ -9,7 +9,7 @@ use glam::DVec3;
 use crate::gpu::{Gpu, sized_texture};
 use crate::scene::{CraterSettings, Scene};
 
-use super::frame::{corner_sampler_entry, sampler_entry, texture_entry, uniform_entry};
+use super::frame::{FrameBindings, corner_sampler_entry, sampler_entry, texture_entry, uniform_entry};
 use super::ground::{Ground, Texture};
 use super::ledger::TextureEntry;
 use super::light::{self, LightKey, LightUniform};
@@ -138,7 +138,7 @@ impl LightMap {
     }
 
     /// Draws it.
-    pub(super) fn encode(&mut self, encoder: &mut wgpu::CommandEncoder, frame: &wgpu::BindGroup, pass: &LightMapPass) {
+    pub(super) fn encode(&mut self, encoder: &mut wgpu::CommandEncoder, frame: &FrameBindings, pass: &LightMapPass) {
         let attachments = [Some(wgpu::RenderPassColorAttachment {
             view: &self.texture.view,
             depth_slice: None,
@@ -151,7 +151,7 @@ impl LightMap {
             ..Default::default()
         });
         draws.set_pipeline(&pass.built.pipeline);
-        draws.set_bind_group(0, frame, &[]);
+        draws.set_bind_group(0, frame.group(&pass.built), &[]);
         draws.set_bind_group(1, &pass.group, &[]);
         draws.draw(0..3, 0..1);
         drop(draws);

@@ -257,7 +257,7 @@ impl Renderer {
         let mut encoder =
             self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("frame") });
         if let (Some(pass), Some(map)) = (&passes.light_map, &mut self.light_map) {
-            map.encode(&mut encoder, &self.frame.group, pass);
+            map.encode(&mut encoder, &self.frame, pass);
         }
         self.encode_beams(&mut encoder, &passes, self.timer.writes(true, false));
         if let Some(draw) = &passes.exact {
@@ -381,13 +381,13 @@ impl Renderer {
                 beams.clear(encoder, ground.top_size());
                 return;
             }
-            beams.encode(encoder, pair, &self.frame.group, *area, timestamps);
+            beams.encode(encoder, pair, &self.frame, *area, timestamps);
         }
     }
 
     fn encode(&self, pass: &mut wgpu::RenderPass<'_>, draw: &Draw) {
         pass.set_pipeline(&draw.built.pipeline);
-        pass.set_bind_group(0, &self.frame.group, &[]);
+        pass.set_bind_group(0, self.frame.group(&draw.built), &[]);
         pass.set_bind_group(1, &draw.group, &[]);
         draw.area.scissor(pass);
         if draw.edges {

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use crate::gpu::{COLOR_FORMAT, DEPTH_COMPARE, DEPTH_FORMAT, Gpu, PROBE_FORMAT, ShaderError, ShaderSources};
 
 use super::beam::Tiles;
+use super::frame::FrameLayouts;
 use super::light_map::LightMapKey;
 use super::occluder::OccluderKey;
 use super::terrain::TerrainKey;
@@ -90,6 +91,8 @@ pub(super) struct Built {
     pub(super) pipeline: wgpu::RenderPipeline,
     pub(super) layout: wgpu::BindGroupLayout,
     pub(super) defs: Vec<&'static str>,
+    /// Its vertices hand the constants on.
+    pub(super) flat: bool,
 }
 
 /// The embedded shaders, with the modules that are made from Rust values.
@@ -111,12 +114,7 @@ impl Pipelines {
     }
 
     /// The pipeline of `key`, built if it is not there yet.
-    pub(super) fn get(
-        &mut self,
-        gpu: &Gpu,
-        frame: &wgpu::BindGroupLayout,
-        key: PipelineKey,
-    ) -> Result<Arc<Built>, ShaderError> {
+    pub(super) fn get(&mut self, gpu: &Gpu, frame: &FrameLayouts, key: PipelineKey) -> Result<Arc<Built>, ShaderError> {
         if let Some(built) = self.built.get(&key) {
             return Ok(Arc::clone(built));
         }
@@ -126,7 +124,7 @@ impl Pipelines {
     }
 
     /// Reads the shader folder again and rebuilds every pipeline; on an error all of the old ones stay.
-    pub(super) fn reload(&mut self, gpu: &Gpu, frame: &wgpu::BindGroupLayout) -> Result<(), ShaderError> {
+    pub(super) fn reload(&mut self, gpu: &Gpu, frame: &FrameLayouts) -> Result<(), ShaderError> {
         let Some(folder) = ShaderSources::folder() else {
             return Err(ShaderError {
                 file: "shaders".into(),
@@ -172,11 +170,18 @@ impl Pipelines {
 pub(super) fn build(
     gpu: &Gpu,
     sources: &ShaderSources,
-    frame: &wgpu::BindGroupLayout,
+    frame: &FrameLayouts,
     mut pass: PassDescription,
 ) -> Result<Built, ShaderError> {
-    if pass.casts_rays && gpu.capabilities.software {
+    let flat = pass.casts_rays && gpu.capabilities.software;
+    if flat {
         pass.defs.push("FLAT_CONSTANTS");
+        // Fragments read no uniform of the frame and the terrain then. That they cannot is more than thrift: lavapipe up to 22.3 writes beyond
+        // an array when it looks for uniforms to compile in (`uni_offsets` of its lvp_inline_uniforms.c has room for four
+        // buffers a stage, the push constants among them), and crashes.
+        if let Some(terrain) = pass.bindings.iter_mut().find(|entry| entry.binding == 0) {
+            terrain.visibility = wgpu::ShaderStages::VERTEX;
+        }
     }
     let module = sources.compose(pass.file, &pass.modules, &pass.defs)?;
     #[cfg(test)]
@@ -190,7 +195,11 @@ pub(super) fn build(
         label: Some(&pass.name),
         entries: &pass.bindings,
     });
-    let groups = if pass.frame { vec![Some(frame), Some(&layout)] } else { vec![Some(&layout)] };
+    let groups = if pass.frame {
+        vec![Some(if flat { &frame.flat } else { &frame.all }), Some(&layout)]
+    } else {
+        vec![Some(&layout)]
+    };
     let pipeline_layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
         label: Some(&pass.name),
         bind_group_layouts: &groups,
@@ -226,5 +235,5 @@ pub(super) fn build(
     if let Some(error) = pollster::block_on(scope.pop()) {
         return Err(ShaderError { file: pass.file.to_owned(), message: error.to_string() });
     }
-    Ok(Built { name: pass.name, pipeline, layout, defs: pass.defs })
+    Ok(Built { name: pass.name, pipeline, layout, defs: pass.defs, flat })
 }

@@ -113,7 +113,7 @@ impl Renderer {
         let whole = Area::whole(size);
         let beamed = terrains.iter().map(|(side, key)| (side.area, *key)).chain(exact.map(|key| (whole, key)));
         let beamed = beamed.filter(|(_, key)| key.starts_from_beams()).map(|(area, _)| area).reduce(Area::union);
-        let light = if probe { LightKey::default() } else { LightKey::of(scene) };
+        let light = if probe { LightKey::default() } else { LightKey::of_picture(scene) };
         let stale = self.prepare_light(scene, &view, light, probe);
         if let Some(ground) = &mut self.ground {
             let walked = terrains.iter().any(|(_, key)| key.needs_pyramid())
@@ -270,7 +270,7 @@ impl Renderer {
             if terrain.iter().any(TerrainKey::starts_from_beams) {
                 keys.extend(Tiles::ALL.map(|tiles| PipelineKey::Beam(tiles, false)));
             }
-            let light = if probe { LightKey::default() } else { LightKey::of(scene) };
+            let light = if probe { LightKey::default() } else { LightKey::of_picture(scene) };
             if light.needs_map() {
                 keys.push(PipelineKey::LightMap(LightMapKey::of(light, ground, is_layered(scene))));
             }

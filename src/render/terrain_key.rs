@@ -69,7 +69,12 @@ impl TerrainKey {
                 && scene.diffuse.enabled
                 && scene.diffuse.source == ColourSource::Texture
                 && !land.colours_ground(),
-            materials: if shaded && !land.colours_ground() { MaterialsKey::of(scene) } else { MaterialsKey::default() },
+            materials: if shaded && !land.colours_ground() {
+                let key = MaterialsKey::of(scene);
+                MaterialsKey { relief: key.relief && !land.lights_ground(), ..key }
+            } else {
+                MaterialsKey::default()
+            },
             layered: scene.craters.mode == CraterMode::Layered && !scene.craters.list.is_empty(),
             given: false,
             holes: false,

@@ -12,7 +12,7 @@ use super::{Halt, Job};
 use crate::heightfield::Crater;
 use crate::render::RenderError;
 use crate::scene::light::{Shadows, SkyModel};
-use crate::scene::{ColourSource, CraterMode, GroundColour, HeightFilter, Hillshade, Scene, Technique};
+use crate::scene::{ColourSource, CraterMode, GroundColour, HeightFilter, Hillshade, LandSettings, Scene, Technique};
 
 /// A feature that is switched against the base frame.
 #[derive(Clone, Debug, Serialize)]
@@ -58,6 +58,7 @@ fn variants(job: &Job, scene: &Scene, able: &[Technique]) -> Vec<(String, Scene,
     base.lighting.shadows = Shadows::Off;
     (base.lighting.baked, base.lighting.occlusion) = (false, false);
     base.skybox.model = SkyModel::Painted;
+    (base.land, base.diffuse.source) = (LandSettings::default(), ColourSource::Texture);
     let list = craters(job);
     let changes: [Change<'_>; 23] = [
         ("base frame", None, &|_| {}),

@@ -53,7 +53,7 @@ fn several_maps_keep_where_you_were_and_what_you_dug() {
     window.key("ctrl+shift+Tab");
     let gone = window.settled("a message", |status| told(status, "no such file"));
     assert_eq!(gone["scene"]["terrain"]["file"], paths[2]);
-    let recent = fs::read_to_string(window.path("config/recent.toml")).unwrap();
+    let recent = fs::read_to_string(window.path("settings/recent.toml")).unwrap();
     assert!(recent.contains("one.png") && recent.contains("three.png") && !recent.contains("two.png"), "{recent}");
     window.close();
 }
@@ -96,7 +96,7 @@ fn files_are_chosen_corrected_and_saved() {
     });
     window.click("Read the file");
     window.settled("the question again", |status| {
-        widget(status, "Raw rows").is_some_and(|field| field["value"] == "900.0")
+        widget(status, "Raw rows").is_some_and(|field| field["value"] == "900")
     });
     window.fill_number("Raw rows", "18");
     window.settled("an answer", |status| {

@@ -10,7 +10,8 @@ use egui_kittest::kittest::{NodeT, Queryable};
 use super::*;
 use crate::camera::NamedView;
 use crate::heightfield::HeightField;
-use crate::scene::{CraterMode, DebugView, Technique};
+use crate::scene::light::{Shadows, SkyModel};
+use crate::scene::{ColourSource, CraterMode, DebugView, GroundColour, Hillshade, Technique};
 
 /// What the panel works on.
 struct State {
@@ -66,12 +67,19 @@ impl State {
 }
 
 fn harness(section: Section) -> Harness<'static, State> {
+    harness_in(section, STATES[0])
+}
+
+/// The section, opened, in a state that `change` has made of the usual one.
+fn harness_in(section: Section, change: fn(&mut State)) -> Harness<'static, State> {
+    let mut state = State::new();
+    change(&mut state);
     let mut harness = Harness::builder().with_size(egui::vec2(700.0, 3000.0)).build_ui_state(
         move |ui, state: &mut State| {
             let State { scene, view, speed, facts, tradeoff, files, commands } = state;
             (section.1)(ui, &mut Panel { scene, view, speed, facts, tradeoff, files, commands });
         },
-        State::new(),
+        state,
     );
     harness.run_steps(2);
     // A section that is closed is opened by its header, by name.
@@ -163,37 +171,59 @@ fn use_control(harness: &mut Harness<'_, State>, role: Role, name: &str) -> bool
     harness.state().print() != before
 }
 
-/// What is greyed out in a state that greys out as little as possible, and why.
-const OFF: [(&str, &str); 3] = [
+/// What is greyed out in every state of the test, and why.
+const OFF: [(&str, &str); 6] = [
     ("True proportion", "the test's map has no extent"),
     ("Height filter", "its entry hardware-linear only: the test's adapter filters nothing"),
     ("Cancel animation", "nothing is being written"),
+    ("Apply import", "nothing of how the map was read is corrected; the window's test of files does"),
+    ("Revert import", "the same"),
+    ("Keep in a sidecar", "the test's map is no file; the window's test of files has one"),
 ];
 
-/// Each control is found by its name, and does something; one without a name, or that does nothing, fails the test.
+/// States that differ in what they grey out.
+const STATES: [fn(&mut State); 3] = [
+    |_| {},
+    |state| {
+        let land = &mut state.scene.land;
+        (land.colour, land.low, land.high) = (GroundColour::Ramp, Some(0.1), Some(0.8));
+        (land.contours, land.contour_interval, land.hillshade) = (true, Some(0.1), Hillshade::Sun);
+        land.imagery = Some("a.tif".into());
+        state.view.paths.imagery = "b.tif".into();
+        state.scene.lighting.clock.enabled = true;
+        state.scene.skybox.faces = None;
+        state.scene.skybox.model = SkyModel::Physical;
+    },
+    |state| {
+        state.scene.land.colour = GroundColour::Slope;
+        state.scene.diffuse.source = ColourSource::Materials;
+        state.scene.materials.coverage = vec!["a.png".into()];
+        state.view.paths.coverage = "b.png".into();
+        state.scene.lighting.shadows = Shadows::Hard;
+    },
+];
+
+/// Each control is found by its name, and does something in some state; one without a name, or that does nothing, or is always
+/// greyed out, fails the test.
 #[test]
 fn every_control_of_every_section_has_a_name_and_does_something() {
     for section in SECTIONS {
-        let names = controls(&harness(section));
-        for (role, name, off) in &names {
-            assert!(!name.trim().is_empty(), "a nameless {role:?} in {}", section.0);
-            let excused = OFF.iter().any(|(excused, _)| excused == name);
-            assert!(
-                !off || excused,
-                "{name} of {} is greyed out in the test's state: give it one in which it is not",
-                section.0
-            );
+        let (mut seen, mut used) = (BTreeSet::new(), BTreeSet::new());
+        for state in STATES {
+            for (role, name, off) in controls(&harness_in(section, state)) {
+                assert!(!name.trim().is_empty(), "a nameless {role:?} in {}", section.0);
+                seen.insert(name.clone());
+                if off || used.contains(&name) {
+                    continue;
+                }
+                // A reset of what is as it should be already does nothing, and need not.
+                if use_control(&mut harness_in(section, state), role, &name) || name.starts_with("Reset ") {
+                    used.insert(name);
+                }
+            }
         }
-        for (role, name, _) in names.iter().filter(|(_, _, off)| !off) {
-            let mut harness = harness(section);
-            // A reset of what is as it should be already does nothing, and need not.
-            let idle = name.starts_with("Reset ");
-            assert!(
-                use_control(&mut harness, *role, name) || idle,
-                "{name}, a {role:?} of {}, does nothing",
-                section.0
-            );
-        }
+        let idle = seen.difference(&used).find(|name| OFF.iter().all(|(excused, _)| excused != name));
+        assert_eq!(idle, None, "a control of {} that does nothing, or is greyed out in every state", section.0);
     }
 }
 

@@ -23,10 +23,12 @@ pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
         Number::new("Sun azimuth", "Direction of the sun, clockwise from north, in degrees. Free per frame; a procedural sky is made anew at each change.")
             .unit("°")
             .decimals(1)
+            .disabled_when(lighting.clock.enabled, "the sun follows the clock")
             .slider(ui, &mut lighting.sun_azimuth, 0.0..=360.0);
         Number::new("Sun elevation", "Height of the sun above the horizon, in degrees. Free per frame; a procedural sky is made anew at each change.")
             .unit("°")
             .decimals(1)
+            .disabled_when(lighting.clock.enabled, "the sun follows the clock")
             .slider(ui, &mut lighting.sun_elevation, -10.0..=90.0);
         Number::new("Ambient", "Weight of the light that comes from everywhere. Free.").disabled_when(off, why).slider(
             ui,

@@ -24,7 +24,7 @@ pub(super) use key::MaterialsKey;
 pub(super) use uniform::MaterialsUniform;
 
 /// Bindings in the terrain's group.
-const UNIFORM: u32 = 25;
+const UNIFORM: u32 = 16;
 const TEXTURES: u32 = 26;
 const SAMPLER: u32 = 27;
 const COVERAGE: u32 = 28;
