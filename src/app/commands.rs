@@ -64,7 +64,7 @@ impl Viewer {
             // Fails only when the event loop is gone, and with it whoever could be told.
             let _ = proxy.send_event(UserEvent::Screenshot(result));
         };
-        if let Err(error) = std::thread::Builder::new().name("screenshot".into()).spawn(write) {
+        if let Err(error) = self.write("screenshot", write) {
             self.saving = false;
             self.toasts.error(&format!("No screenshot: no thread to write on: {error}. Close some programs."));
         }

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use glam::{DVec2, DVec3};
@@ -134,6 +135,8 @@ pub(crate) struct Viewer {
     pub(super) reload_at: Option<Instant>,
     /// A screenshot is being written.
     pub(super) saving: bool,
+    /// Threads that write files: the program does not end before them.
+    pub(super) writers: Vec<JoinHandle<()>>,
     pub(super) screenshots: PathBuf,
     recovered: Option<Instant>,
     /// Whether the state differs from the status file's, and whether that said idle.
@@ -215,6 +218,7 @@ impl Viewer {
             proxy,
             reload_at: None,
             saving: false,
+            writers: Vec::new(),
             screenshots: options.screenshots,
             recovered: None,
             reported: (true, false),
@@ -469,6 +473,21 @@ impl Viewer {
             Err(error) => self.toasts.error(&format!("The old shaders stay. {error}")),
         }
         Ok(())
+    }
+
+    /// Writes a file on a thread of its own, which the program's end waits for.
+    pub(super) fn write(&mut self, name: &str, work: impl FnOnce() + Send + 'static) -> std::io::Result<()> {
+        self.writers.retain(|writer| !writer.is_finished());
+        self.writers.push(std::thread::Builder::new().name(name.into()).spawn(work)?);
+        Ok(())
+    }
+
+    /// Waits for the files that are being written.
+    pub(crate) fn finish_writing(&mut self) {
+        for writer in self.writers.drain(..) {
+            // A panic has been told on stderr.
+            let _ = writer.join();
+        }
     }
 
     /// What another thread told.

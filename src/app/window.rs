@@ -189,6 +189,7 @@ impl ApplicationHandler<UserEvent> for App {
         // The surface must go before the window, and both before the event loop.
         if let Some((mut viewer, graphics)) = self.open.take() {
             viewer.keep_now();
+            viewer.finish_writing();
             drop(graphics);
             drop(viewer);
         }

@@ -89,6 +89,10 @@ impl LandArgs {
         }
         if let Some([low, high]) = self.ramp_range {
             (land.low, land.high) = (Some(low), Some(high));
+            // A range without a ramp would show nothing.
+            if self.colour.is_none() {
+                land.colour = GroundColour::Ramp;
+            }
         }
         land.hillshade = self.hillshade.unwrap_or(land.hillshade);
         match self.contours {

@@ -37,3 +37,19 @@ fn the_readmes_scene_is_valid() {
     assert_eq!(scene.terrain.file, Some(bench.path("ridged.png")));
     assert_eq!(scene.craters.list.len(), 1);
 }
+
+/// Every preset that ships is a scene, and the README tells of it.
+#[test]
+fn the_presets_are_scenes_that_the_readme_lists() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let readme = fs::read_to_string(root.join("README.md")).unwrap();
+    let presets: Vec<_> =
+        fs::read_dir(root.join("assets/presets")).unwrap().map(|entry| entry.unwrap().path()).collect();
+    assert!(presets.len() >= 6, "{presets:?}");
+    for preset in presets {
+        let scene = relief::scene_file::read(&preset).unwrap();
+        assert!(scene != relief::scene::Scene::default(), "{} shows nothing of its own", preset.display());
+        let name = preset.file_name().unwrap().to_string_lossy().into_owned();
+        assert!(readme.contains(&format!("`{name}`")), "{name} is missing in the README");
+    }
+}

@@ -372,11 +372,13 @@ impl Window {
     }
 }
 
-/// Whether the panel rests; the terrain may go on turning its cube, and the search for cones and the
-/// compiler may go on behind it.
+/// Whether the panel rests; the terrain may go on turning its cube or its sun, and the search for cones and the compiler may go
+/// on behind it.
 fn calm(status: &Value) -> bool {
+    let clock = &status["scene"]["lighting"]["clock"];
     status["idle"] == true
         || status["scene"]["occluder"]["spin"] != 0.0
+        || (clock["enabled"] == true && clock["speed"] != 0.0)
         || status["finding_cones"].is_number()
         || status["compiling"] == true
 }

@@ -40,6 +40,10 @@ pub(crate) struct Place {
     craters: Vec<Crater>,
     occluder: Option<DVec3>,
     height_scale: Option<f64>,
+    /// What of the colours goes by the map's heights or its place: the ramp's ends, the contours' interval, pictures.
+    heights: [Option<f64>; 3],
+    imagery: Option<PathBuf>,
+    coverage: Vec<PathBuf>,
     /// The box at the map's own proportion.
     extent: DVec3,
 }
@@ -52,6 +56,9 @@ impl Place {
             craters: scene.craters.list.clone(),
             occluder: scene.occluder.position,
             height_scale: scene.terrain.height_scale,
+            heights: [scene.land.low, scene.land.high, scene.land.contour_interval],
+            imagery: scene.land.imagery.clone(),
+            coverage: scene.materials.coverage.clone(),
             extent,
         }
     }
@@ -69,6 +76,8 @@ impl Place {
             (crater.x, crater.z) = (crater.x * moved.x, crater.z * moved.z);
         }
         scene.terrain.height_scale = self.height_scale;
+        [scene.land.low, scene.land.high, scene.land.contour_interval] = self.heights;
+        (scene.land.imagery, scene.materials.coverage) = (self.imagery, self.coverage);
     }
 }
 

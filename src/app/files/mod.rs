@@ -388,6 +388,10 @@ impl Viewer {
 
     /// Writes the map with its craters, on another thread.
     fn save_map(&mut self, path: &Path, replace: bool) {
+        if self.files.saving {
+            self.toasts.error("Not saved: the map is being written already. Save again when that is done.");
+            return;
+        }
         let job = saving::Job {
             path: absolute(path),
             replace,
@@ -400,7 +404,7 @@ impl Viewer {
             let _ = proxy.send_event(UserEvent::Files(FilesEvent::Saved(job.run())));
         };
         self.files.saving = true;
-        if let Err(error) = std::thread::Builder::new().name("save".into()).spawn(write) {
+        if let Err(error) = self.write("save", write) {
             self.files.saving = false;
             self.toasts.error(&format!("Nothing was saved: no thread to write on: {error}. Close some programs."));
         }
