@@ -44,7 +44,8 @@ fn files(folder: &Path) -> Vec<String> {
 fn the_quick_form_finds_the_exact_technique_exact() {
     let folder = tempfile::tempdir().unwrap();
     let (code, _, stderr) = relief(folder.path(), "stress -o deep/out --quick");
-    assert_eq!((code, stderr.starts_with("relief: max-mipmap kept its promise in all ")), (0, true), "{stderr}");
+    // Lines of progress may come before it.
+    assert!(code == 0 && stderr.contains("relief: max-mipmap kept its promise in all "), "{stderr}");
     let out = folder.path().join("deep/out");
     let expected =
         ["contact-sheet.png", "stress-bound.png", "stress-bound.svg", "stress.csv", "stress.json", "stress.md"];
