@@ -116,9 +116,9 @@ fn cases_are_chosen_by_their_names() {
         stdout.lines().count() > 2 && stdout.lines().all(|name| name.contains("needles") || name.contains("fov-0.001"))
     );
     let (code, _, stderr) = relief(folder.path(), "stress -o out --quick --case needles/graze --size 32x20");
-    assert_eq!(
-        (code, stderr.as_str()),
-        (0, "relief: max-mipmap kept its promise in all 1 cases; see stress.md in out\n")
+    assert!(
+        code == 0 && stderr.ends_with("relief: max-mipmap kept its promise in all 1 cases; see stress.md in out\n"),
+        "{stderr}"
     );
     let out = folder.path().join("out");
     assert_eq!(files(&out), ["contact-sheet.png", "stress.csv", "stress.json", "stress.md"]);
