@@ -4,7 +4,7 @@
 //! Catmull–Rom curves*, 2011, section 2): it passes through every key frame and has neither cusps nor loops between two of
 //! them. Directions and fields of view follow the same kind of curve over the same knots, as angles: the eye never rolls.
 //! The way is travelled at constant speed by arc length; where the eye would have to turn faster than
-//! [`TURNS`] times around within the whole path, it slows down.
+//! `TURNS` times around within the whole path, it slows down.
 
 use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
