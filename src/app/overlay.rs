@@ -242,18 +242,21 @@ pub(crate) fn help(ctx: &Context, free: Rect, keys: &KeyMap, open: &mut bool) {
     window.show(ctx, |ui| {
         ScrollArea::both().max_width(room.x).max_height(room.y).show(ui, |ui| {
             ui.style_mut().wrap_mode = Some(TextWrapMode::Extend);
+            let chosen = ACTIONS.iter().map(|entry| (keys.shown(entry.action), entry.does));
+            let mut rows: Vec<_> = chosen.chain(FIXED.map(|(input, does)| (input.to_owned(), does))).collect();
+            // Two columns of one height: so all of it fits the window of a first start.
+            let right = rows.split_off(rows.len().div_ceil(2));
             ui.horizontal_top(|ui| {
-                let chosen = ACTIONS.iter().map(|entry| (keys.shown(entry.action), entry.does));
-                bindings(ui, "keys", chosen);
+                bindings(ui, "left", rows);
                 ui.add_space(16.0);
-                bindings(ui, "fixed", FIXED.iter().map(|(input, does)| ((*input).to_owned(), *does)));
+                bindings(ui, "right", right);
             });
         });
     });
 }
 
 /// A table of inputs and what they do.
-fn bindings(ui: &mut Ui, name: &str, rows: impl Iterator<Item = (String, &'static str)>) {
+fn bindings(ui: &mut Ui, name: &str, rows: Vec<(String, &'static str)>) {
     Grid::new(name).num_columns(2).striped(true).show(ui, |ui| {
         for (input, does) in rows {
             ui.strong(input);
@@ -342,8 +345,8 @@ mod tests {
     fn the_help_is_whole_where_there_is_room_and_scrolls_where_there_is_none() {
         let whole = help_in(&[[4000.0, 3000.0]]);
         assert!(whole.width() > 500.0 && whole.height() > 400.0, "{whole}");
-        assert_eq!(help_in(&[[1600.0, 1000.0]]).size(), whole.size());
-        assert_eq!(help_in(&[[420.0, 300.0], [1600.0, 1000.0]]).size(), whole.size(), "it follows a growing window");
+        assert_eq!(help_in(&[[1280.0, 800.0]]).size(), whole.size());
+        assert_eq!(help_in(&[[420.0, 300.0], [1280.0, 800.0]]).size(), whole.size(), "it follows a growing window");
         for screens in [&[[420.0, 300.0]][..], &[[1280.0, 800.0], [420.0, 300.0]]] {
             let small = help_in(screens);
             assert!(Rect::from_min_size(Pos2::ZERO, vec2(420.0, 300.0)).contains_rect(small), "{small}");
