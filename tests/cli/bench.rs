@@ -77,6 +77,10 @@ impl Bench {
         if std::env::var_os("RELIEF_ADAPTER").is_none() {
             command.env("RELIEF_ADAPTER", "cpu");
         }
+        // Without this folder, which a bare container lacks, the Wayland library that Mesa loads complains on stderr.
+        if std::env::var_os("XDG_RUNTIME_DIR").is_none() {
+            command.env("XDG_RUNTIME_DIR", self.0.path());
+        }
         command
     }
 
