@@ -402,6 +402,54 @@ fn without_a_sun_there_are_no_shadows_to_pay_for() {
     assert_eq!(ground, [0, 0, 0, 255], "the horizon hides the sun, too");
 }
 
+/// A light map that is drawn by rows over several frames ends up the same, and a sun that moves leaves the sky's share.
+#[test]
+fn a_light_map_drawn_by_parts_is_the_same() {
+    let map = canyon();
+    let mut scene = sunlit(NamedView::Over.camera(&map, map.box_size(None)), None, [250.0, 12.0]);
+    scene.lighting.ambient = 0.5;
+    scene.lighting.shadows = Shadows::Hard;
+    (scene.lighting.baked, scene.lighting.occlusion) = (true, true);
+    let rows = map.cells()[1];
+    let mut whole = renderer(&map);
+    let mut parts = renderer(&map);
+    parts.set_bake_budget(Some(map.cells()[0] * rows.div_ceil(4)));
+    let target = Target::new(&gpu(), SIZE);
+    let picture = |renderer: &mut Renderer, scene: &Scene| {
+        let mut frames = 0;
+        while frames == 0 || renderer.baking().is_some() {
+            frames += 1;
+            assert!(frames < 20, "it never ends");
+            renderer.draw(scene, &target).unwrap();
+        }
+        (frames, target.read_color(&gpu()).unwrap())
+    };
+    let (all, wanted) = picture(&mut whole, &scene);
+    let (some, found) = picture(&mut parts, &scene);
+    assert_eq!((all, some), (1, 8), "two channels of four parts each");
+    assert!(wanted == found);
+    scene.lighting.sun_azimuth += 30.0;
+    let (all, moved) = picture(&mut whole, &scene);
+    let (some, found) = picture(&mut parts, &scene);
+    assert_eq!((all, some), (1, 4), "the sky's share stays");
+    assert!(moved == found && moved != wanted);
+
+    // Where the sun moves on while its shadows are drawn, these are finished first, and drawn anew after that.
+    for _ in 0..3 {
+        scene.lighting.sun_azimuth += 1.0;
+        parts.draw(&scene, &target).unwrap();
+    }
+    assert!(parts.baking().is_some_and(|drawn| (drawn - 0.75).abs() < 0.01), "three of four parts");
+    assert_eq!(picture(&mut parts, &scene).0, 1 + 4);
+    assert!(picture(&mut parts, &scene).1 == picture(&mut whole, &scene).1);
+    // Off screen nothing is baked.
+    scene.lighting.sun_azimuth += 1.0;
+    let away = scene.camera.as_mut().unwrap();
+    (away.eye.z, away.yaw, away.pitch) = (-5.0, 0.0, 0.0);
+    parts.draw(&scene, &target).unwrap();
+    assert_eq!(parts.baking(), None);
+}
+
 /// The light map: drawn once, again when what it shows changes, and gone with its switch.
 #[test]
 fn a_light_map_is_drawn_only_when_it_changes() {

@@ -61,6 +61,11 @@ impl Compiler {
         self.work.is_some()
     }
 
+    /// Whether nothing but images is being made ready.
+    fn only_reads(&self) -> bool {
+        self.work.as_ref().is_some_and(|work| work.wanted.is_only_images())
+    }
+
     /// Nobody waits any more: no other pipeline is begun.
     fn give_up(&self) {
         if let Some(work) = &self.work {
@@ -199,6 +204,8 @@ fn stand_ins(wanted: &Scene, shown: &Scene) -> [Scene; 3] {
     near.materials.clone_from(&shown.materials);
     near.land.clone_from(&shown.land);
     near.skybox.enabled = shown.skybox.enabled;
+    near.skybox.faces.clone_from(&shown.skybox.faces);
+    near.diffuse.file.clone_from(&shown.diffuse.file);
     near.occluder.enabled = shown.occluder.enabled;
     // Where the craters need pipelines, too, the old ones stay.
     let far = Scene { craters: shown.craters.clone(), ..near.clone() };
@@ -287,7 +294,9 @@ impl Viewer {
     pub(super) fn compiling_in_words(&self, drawable: &Scene) -> Option<String> {
         let (wanted, drawn) = (self.scene.march.technique, drawable.march.technique);
         self.compiler.is_busy().then(|| {
-            if wanted == drawn {
+            if self.compiler.only_reads() {
+                "Reading an image …".to_owned()
+            } else if wanted == drawn {
                 "Compiling shaders …".to_owned()
             } else {
                 format!("Compiling {} …, {} draws meanwhile", wanted.name(), drawn.name())

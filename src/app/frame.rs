@@ -17,6 +17,9 @@ use crate::scene::{DebugView, Scene};
 /// How often it is told how far the search for cones is.
 const CONES_PAUSE: Duration = Duration::from_millis(200);
 
+/// How long a light map may be under way before it is told.
+const BAKE_PATIENCE: Duration = Duration::from_millis(400);
+
 /// How long to wait for a surface that is not ready.
 const SURFACE_PAUSE: Duration = Duration::from_millis(30);
 
@@ -65,7 +68,8 @@ impl Viewer {
         }
         self.settle_eye(graphics);
         self.draw_scene(graphics, now)?;
-        if self.wants_screenshot && self.drawn.is_some() {
+        // A screenshot can be made again from its scene: it waits for a light map that is under way.
+        if self.wants_screenshot && self.drawn.is_some() && self.baking.is_none() {
             self.wants_screenshot = false;
             self.screenshot(graphics)?;
         }
@@ -260,6 +264,8 @@ impl Viewer {
             (text, true)
         } else if let Some((text, _)) = &self.hint {
             (text.clone(), false)
+        } else if let Some((share, _)) = self.baking.filter(|(_, since)| now >= *since + BAKE_PATIENCE) {
+            (format!("Baking the light map: {:.0} %", share * 100.0), true)
         } else {
             let text = self.cones_in_words(drawable)?;
             self.redraw.wake_at(now + CONES_PAUSE);
@@ -267,6 +273,16 @@ impl Viewer {
         };
         self.says = Some(text.clone());
         Some(overlay::hint(ctx, self.free, &text, working))
+    }
+
+    /// Draws on while a light map is under way.
+    fn follow_baking(&mut self, graphics: &Graphics, now: Instant) {
+        let before = self.baking;
+        self.baking = graphics.renderer.baking().map(|share| (share, before.map_or(now, |(_, since)| since)));
+        if self.baking.is_some() || before.is_some() {
+            // Once more at the end, which takes the line away that tells of it.
+            self.redraw.invalidate();
+        }
     }
 
     /// Draws the scene, if the kept picture does not show it.
@@ -280,7 +296,7 @@ impl Viewer {
         // What the panel has just changed may need other pipelines and cones: no frame waits for them.
         let drawable = self.drawable(graphics);
         let visible = visible_part(&drawable);
-        if self.drawn.as_ref() == Some(&visible) {
+        if self.drawn.as_ref() == Some(&visible) && self.baking.is_none() {
             return Ok(());
         }
         self.drop_stale_reference(graphics);
@@ -291,6 +307,7 @@ impl Viewer {
                     // The legend on screen says the other.
                     self.redraw.invalidate();
                 }
+                self.follow_baking(graphics, now);
                 if !self.stands_in(graphics, &drawable) {
                     self.last_good = Some(self.scene.clone());
                 }
@@ -305,6 +322,7 @@ impl Viewer {
             }
             Err(RenderError::DeviceLost(lost)) => Err(FrameError::Lost(lost)),
             Err(error) => {
+                self.baking = None;
                 self.toasts.error(&error.to_string());
                 self.redraw.invalidate();
                 if put_back(&mut self.scene, self.last_good.as_ref(), &error) {

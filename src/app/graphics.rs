@@ -14,6 +14,10 @@ use crate::gpu::{Gpu, Target};
 use crate::heightfield::HeightField;
 use crate::render::{RenderError, Renderer};
 
+/// Most texels of a light map that a frame of the viewer draws: a fraction of a second in software, and on a GPU.
+const BAKED_IN_SOFTWARE: u32 = 1 << 15;
+const BAKED_PER_FRAME: u32 = 1 << 19;
+
 /// What egui wants on screen.
 pub(crate) struct Ui {
     /// Textures to change before and to free after drawing.
@@ -65,6 +69,7 @@ impl Graphics {
         let surface = Surface::new(&gpu, surface, window.clone(), vsync)?;
         let painter = egui_wgpu::Renderer::new(&gpu.device, surface.format(), RendererOptions::default());
         let mut renderer = Renderer::new(gpu.clone())?;
+        renderer.set_bake_budget(Some(if gpu.capabilities.software { BAKED_IN_SOFTWARE } else { BAKED_PER_FRAME }));
         renderer.set_terrain(map)?;
         let target = Target::new(&gpu, surface.size());
         Ok(Self { gpu, renderer, target, painter, surface })

@@ -98,6 +98,8 @@ pub(crate) struct Viewer {
     pub(super) compiler: Compiler,
     /// The picture on screen is compared with the f64 reference.
     pub(super) shows_reference: bool,
+    /// How much of the light map is drawn, and since when it is under way; `None` when it is all there.
+    pub(super) baking: Option<(f32, Instant)>,
     pub(super) tradeoff: Tradeoff,
     /// The line at the bottom of the last frame's picture.
     pub(super) says: Option<String>,
@@ -196,6 +198,7 @@ impl Viewer {
             cones: ConeFinder::default(),
             compiler: Compiler::default(),
             shows_reference: false,
+            baking: None,
             tradeoff: Tradeoff::default(),
             says: None,
             hint: None,

@@ -1,26 +1,30 @@
-//! Pipelines that are built away from the frame, on another thread: no frame waits for a compiler.
+//! Pipelines that are built and images that are read away from the frame, on another thread: no frame waits for a compiler
+//! or a decoder.
 
 use std::sync::Arc;
 
 use crate::gpu::{Gpu, ShaderError, ShaderSources};
 
 use super::frame::FrameBindings;
+use super::images::{Decoded, ImageFile};
 use super::materials;
 use super::pipelines::{Built, PipelineKey, build};
 
-/// Pipelines that a frame needs and that are not there: all that it takes to build them.
+/// Pipelines and images that a frame needs and that are not there: all that it takes to make them.
 #[derive(Clone, Debug)]
 pub(crate) struct Compilation {
     gpu: Arc<Gpu>,
     sources: Arc<ShaderSources>,
     frame: FrameBindings,
     keys: Vec<PipelineKey>,
+    images: Vec<ImageFile>,
 }
 
-/// The same pipelines of the same sources, on the same device.
+/// The same pipelines of the same sources and the same images, on the same device.
 impl PartialEq for Compilation {
     fn eq(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.gpu, &other.gpu) && Arc::ptr_eq(&self.sources, &other.sources) && self.keys == other.keys
+        let same_made_of = Arc::ptr_eq(&self.gpu, &other.gpu) && Arc::ptr_eq(&self.sources, &other.sources);
+        same_made_of && self.keys == other.keys && self.images == other.images
     }
 }
 
@@ -30,12 +34,18 @@ impl Compilation {
         sources: &Arc<ShaderSources>,
         frame: &FrameBindings,
         keys: Vec<PipelineKey>,
+        images: Vec<ImageFile>,
     ) -> Self {
-        Self { gpu: Arc::clone(gpu), sources: Arc::clone(sources), frame: frame.clone(), keys }
+        Self { gpu: Arc::clone(gpu), sources: Arc::clone(sources), frame: frame.clone(), keys, images }
     }
 
-    /// Composes the shaders and builds the pipelines, one after the other while `go_on` says so; what is built by then
-    /// comes back.
+    /// Whether it only reads images: nothing is compiled.
+    pub(crate) fn is_only_images(&self) -> bool {
+        self.keys.is_empty()
+    }
+
+    /// Composes the shaders and builds the pipelines, then reads the images, one after the other while `go_on` says so; what
+    /// is made by then comes back. An image that cannot be read is the error of the frame that needs it.
     ///
     /// # Errors
     /// The first shader that does not compile.
@@ -49,18 +59,27 @@ impl Compilation {
             let built = build(&self.gpu, &self.sources, &self.frame.layout, key.describe())?;
             Ok((key, Arc::new(built)))
         });
-        Ok(Compiled { built: built.collect::<Result<_, ShaderError>>()?, compilation: self.clone() })
+        let built = built.collect::<Result<_, ShaderError>>()?;
+        let largest = self.gpu.capabilities.max_texture;
+        let images = self.images.iter().take_while(|_| go_on()).map(|file| (file.clone(), file.read(largest)));
+        Ok(Compiled { built, images: images.collect(), compilation: self.clone() })
     }
 }
 
-/// Pipelines for [`Renderer::set_compiled`](super::Renderer::set_compiled).
+/// Pipelines and images for [`Renderer::set_compiled`](super::Renderer::set_compiled).
 #[derive(Debug)]
 pub(crate) struct Compiled {
     built: Vec<(PipelineKey, Arc<Built>)>,
+    images: Vec<(ImageFile, Result<Decoded, String>)>,
     compilation: Compilation,
 }
 
 impl Compiled {
+    /// The images, or what is wrong with them.
+    pub(super) fn take_images(&mut self) -> Vec<(ImageFile, Result<Decoded, String>)> {
+        std::mem::take(&mut self.images)
+    }
+
     /// The pipelines, if they are made of `sources`.
     pub(super) fn made_of(self, sources: &Arc<ShaderSources>) -> Option<Vec<(PipelineKey, Arc<Built>)>> {
         Arc::ptr_eq(&self.compilation.sources, sources).then_some(self.built)
@@ -73,8 +92,10 @@ mod tests {
     use crate::gpu::Target;
     use crate::heightfield::generate::{Kind, generate};
     use crate::heightfield::{HeightField, HoleMask};
+    use crate::render::RenderError;
     use crate::render::Renderer;
-    use crate::scene::{CraterMode, DebugView, Scene, Technique};
+    use crate::scene::light::{Shadows, SkyModel};
+    use crate::scene::{ColourSource, CraterMode, DebugView, GroundColour, Hillshade, Scene, Technique};
 
     /// Scenes of which each needs other pipelines.
     fn scenes() -> Vec<Scene> {
@@ -96,6 +117,19 @@ mod tests {
                 scene.debug.wireframe = true;
             },
             &|scene| scene.debug.view = DebugView::Position,
+            &|scene| {
+                (scene.lighting.shadows, scene.skybox.model) = (Shadows::Soft, SkyModel::Physical);
+                scene.occluder.enabled = true;
+            },
+            &|scene| {
+                scene.lighting.shadows = Shadows::Hard;
+                (scene.lighting.baked, scene.lighting.occlusion) = (true, true);
+            },
+            &|scene| scene.diffuse.source = ColourSource::Materials,
+            &|scene| {
+                (scene.land.hillshade, scene.land.contours) = (Hillshade::Multidirectional, true);
+                scene.land.colour = GroundColour::Slope;
+            },
         ];
         let scene = |change: &&dyn Fn(&mut Scene)| {
             let mut scene = Scene::default();
@@ -143,6 +177,58 @@ mod tests {
         let before = renderer.pipelines.names();
         renderer.probe(&probed, [20, 15]).unwrap();
         assert_eq!(renderer.pipelines.names(), before);
+    }
+
+    /// What a scene names is read beside the pipelines, and once: the frame does not even need the files any more.
+    #[test]
+    fn a_frame_reads_no_image_that_was_read_before_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = |name: &str, side: u32| {
+            let path = folder.path().join(name);
+            let picture = image::RgbImage::from_fn(side, side, |x, y| image::Rgb([200, (9 * x) as u8, (9 * y) as u8]));
+            picture.save(&path).unwrap();
+            path
+        };
+        let (colours, weights) = (file("colours.png", 16), file("weights.png", 8));
+        let faces: [_; 6] = std::array::from_fn(|face| file(&format!("face{face}.png"), 8));
+        let mut scenes = [Scene::default(), Scene::default()];
+        scenes[0].diffuse.file = Some(colours);
+        scenes[0].skybox.faces = Some(faces);
+        scenes[1].diffuse.source = ColourSource::Materials;
+        scenes[1].materials.coverage = vec![weights];
+        let gpu = Gpu::headless().unwrap();
+        let target = Target::new(&gpu, [40, 30]);
+        let draw = |renderer: &mut Renderer, scene: &Scene| {
+            renderer.draw(scene, &target).map(|()| target.read_color(&gpu).unwrap())
+        };
+        let mut renderer = renderer(&gpu);
+        let plain = draw(&mut renderer, &Scene::default()).unwrap();
+        let expected: Vec<_> = scenes.iter().map(|scene| draw(&mut self::renderer(&gpu), scene).unwrap()).collect();
+        let read: Vec<_> = scenes
+            .iter()
+            .map(|scene| renderer.missing_pipelines(scene, target.size(), false).unwrap().build(&|| true).unwrap())
+            .collect();
+        folder.close().unwrap();
+        for ((scene, read), expected) in scenes.iter().zip(read).zip(&expected) {
+            renderer.set_compiled(read);
+            assert!(renderer.missing_pipelines(scene, target.size(), false).is_none());
+            let drawn = draw(&mut renderer, scene).unwrap();
+            assert!(drawn == *expected && drawn != plain, "{scene:?}");
+            // On the GPU nothing is missing; dropped from there, the frame has to read it itself again.
+            assert!(renderer.missing_pipelines(scene, target.size(), false).is_none());
+            draw(&mut renderer, &Scene::default()).unwrap();
+            assert!(renderer.missing_pipelines(scene, target.size(), false).is_some());
+            let error = draw(&mut renderer, scene).unwrap_err();
+            assert!(matches!(error, RenderError::Image { .. }), "{error}");
+            draw(&mut renderer, &Scene::default()).unwrap();
+        }
+        // One that cannot be read is the error of the frame that needs it.
+        let mut scene = Scene::default();
+        scene.land.imagery = Some("gone.tif".into());
+        let read = renderer.missing_pipelines(&scene, target.size(), false).unwrap().build(&|| true).unwrap();
+        renderer.set_compiled(read);
+        assert!(renderer.missing_pipelines(&scene, target.size(), false).is_none());
+        assert!(matches!(draw(&mut renderer, &scene), Err(RenderError::Image { .. })));
     }
 
     /// A shader that is saved while others are compiled wins over them.

@@ -1,6 +1,6 @@
 //! The diffuse texture that is draped over the terrain: generated from height and slope, or any image.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use crate::gpu::Gpu;
 use crate::heightfield::colour::{self, Diffuse};
@@ -9,6 +9,7 @@ use crate::scene::DiffuseSettings;
 
 use super::RenderError;
 use super::ground::Texture;
+use super::images::{Decoded, Images, Purpose};
 use super::ledger::TextureEntry;
 use super::mips::{self, Image};
 
@@ -43,6 +44,11 @@ impl Drape {
         self.texture = None;
     }
 
+    /// Whether the texture is that of `file`, or of the generated colours.
+    pub(super) fn shows(&self, file: Option<&Path>) -> bool {
+        self.texture.as_ref().is_some_and(|(shown, _)| shown.as_deref() == file)
+    }
+
     /// Makes the texture that `settings` ask for, if it is not there. True when the colours of `field` were painted anew.
     ///
     /// # Errors
@@ -52,15 +58,14 @@ impl Drape {
         gpu: &Gpu,
         settings: &DiffuseSettings,
         field: &HeightField,
+        images: &mut Images,
     ) -> Result<bool, RenderError> {
-        if self.texture.as_ref().is_some_and(|(file, _)| *file == settings.file) {
+        if self.shows(settings.file.as_deref()) {
             return Ok(false);
         }
-        let limit = gpu.capabilities.max_texture;
         if let Some(path) = &settings.file {
-            let base = Image::read(path, limit).map_err(|reason| RenderError::Image { path: path.clone(), reason })?;
-            let levels = mips::chain(&base);
-            self.texture = Some((settings.file.clone(), self.upload(gpu, &base, &levels)));
+            let Decoded { image, levels } = images.take(path, Purpose::Colours, gpu.capabilities.max_texture)?;
+            self.texture = Some((settings.file.clone(), self.upload(gpu, &image, &levels)));
             return Ok(false);
         }
         let painted = self.generated.is_none();

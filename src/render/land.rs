@@ -8,6 +8,7 @@ use glam::{DVec3, Vec3};
 
 use super::frame::{sampler_entry, texture_entry, uniform_buffer, uniform_entry, without_subnormals};
 use super::ground::{Ground, Texture};
+use super::images::{Decoded, Images, Purpose};
 use super::ledger::TextureEntry;
 use super::mips::{self, Image};
 use super::{RenderError, Renderer};
@@ -287,7 +288,19 @@ impl Land {
     }
 
     /// Brings the textures up to date with what `key` needs; returns the bytes uploaded.
-    fn prepare(&mut self, gpu: &Gpu, key: LandKey, land: &LandSettings, map: &HeightField) -> Result<u64, RenderError> {
+    /// Whether the picture of `file` is placed.
+    pub(super) fn shows(&self, file: &Path) -> bool {
+        self.placed.as_ref().is_some_and(|placed| placed.file == *file)
+    }
+
+    fn prepare(
+        &mut self,
+        gpu: &Gpu,
+        key: LandKey,
+        land: &LandSettings,
+        map: &HeightField,
+        images: &mut Images,
+    ) -> Result<u64, RenderError> {
         let mut uploaded = 0;
         let wanted = Colours::of(land).filter(|_| key.colours_ground());
         if self.colours.as_ref().map(|(colours, _)| *colours) != wanted {
@@ -301,10 +314,11 @@ impl Land {
         }
         match land.imagery.as_ref().filter(|_| key.imagery) {
             None => self.placed = None,
-            Some(file) if self.placed.as_ref().is_some_and(|placed| placed.file == *file) => {}
+            Some(file) if self.shows(file) => {}
             Some(file) => {
+                let decoded = images.take(file, Purpose::Imagery, gpu.capabilities.max_texture)?;
                 let failed = |reason| RenderError::Image { path: file.clone(), reason };
-                let (placed, bytes) = place(gpu, file, map).map_err(failed)?;
+                let (placed, bytes) = place(gpu, file, &decoded, map).map_err(failed)?;
                 uploaded += bytes;
                 self.placed = Some(placed);
             }
@@ -317,7 +331,7 @@ impl Renderer {
     /// Brings what the land's shader reads up to date with `scene`.
     pub(super) fn prepare_land(&mut self, key: LandKey, land: &LandSettings, extent: DVec3) -> Result<(), RenderError> {
         let Some(ground) = &self.ground else { return Ok(()) };
-        self.uploaded += self.land.prepare(&self.gpu, key, land, ground.terrain().base())?;
+        self.uploaded += self.land.prepare(&self.gpu, key, land, ground.terrain().base(), &mut self.images)?;
         if key.is_on() {
             let uniform = LandUniform::new(land, ground, extent, self.land.placed.as_ref());
             self.gpu.queue.write_buffer(&self.land.buffer, 0, bytemuck::bytes_of(&uniform));
@@ -326,17 +340,11 @@ impl Renderer {
     }
 }
 
-/// Reads a picture and puts it where it belongs on the map.
-fn place(gpu: &Gpu, file: &Path, map: &HeightField) -> Result<(Placed, u64), String> {
-    let limit = gpu.capabilities.max_texture;
-    let image = if imagery::is_tiff(file) {
-        let picture = imagery::read_tiff(file, limit)?;
-        Image { width: picture.width, height: picture.height, rgba: picture.rgba }
-    } else {
-        Image::read(file, limit)?
-    };
-    let [u, v] = transform(file, &image, map)?;
-    let (texture, bytes) = upload(gpu, "imagery", &image, &mips::translucent_chain(&image));
+/// Puts the picture of `file` where it belongs on the map.
+fn place(gpu: &Gpu, file: &Path, picture: &Decoded, map: &HeightField) -> Result<(Placed, u64), String> {
+    let Decoded { image, levels } = picture;
+    let [u, v] = transform(file, image, map)?;
+    let (texture, bytes) = upload(gpu, "imagery", image, levels);
     Ok((Placed { file: file.to_owned(), texture, u, v }, bytes))
 }
 

@@ -84,18 +84,6 @@ impl LightKey {
         self.baked || self.occlusion
     }
 
-    /// Defs of the pass that draws the light map.
-    pub(super) fn map_defs(self) -> impl Iterator<Item = &'static str> {
-        [
-            (self.baked, "BAKED_SHADOWS"),
-            (self.baked && self.shadows == Shadows::Soft, "SOFT_SHADOWS"),
-            (self.baked && self.occluder, "OCCLUDER_SHADOW"),
-            (self.occlusion, "OCCLUSION"),
-        ]
-        .into_iter()
-        .filter_map(|(on, def)| on.then_some(def))
-    }
-
     /// Whether the pass reads the uniform of the light.
     pub(super) fn needs_uniform(self) -> bool {
         self.casts_shadows() || self.sky

@@ -1,18 +1,23 @@
 //! The light map: shadows and ambient occlusion of every place, drawn once for as long as neither ground nor sun changes.
 //! Its shader is `light_map.wgsl`.
+//!
+//! Each of the two has a channel of its own, so that a sun that moves leaves the occlusion as it is. A channel is drawn by
+//! rows: all of them in one frame, or no more than a budget allows, so that no frame waits for a large map.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use bytemuck::bytes_of;
 use glam::DVec3;
 
 use crate::gpu::{Gpu, sized_texture};
+use crate::scene::light::Shadows;
 use crate::scene::{CraterSettings, Scene};
 
 use super::frame::{FrameBindings, corner_sampler_entry, sampler_entry, texture_entry, uniform_entry};
-use super::ground::{Ground, Texture};
+use super::ground::Texture;
 use super::ledger::TextureEntry;
-use super::light::{self, LightKey, LightUniform};
+use super::light::{self, LightBindings, LightKey, LightUniform};
 use super::pipelines::{Built, PassDescription, PipelineKey};
 use super::prepare::View;
 use super::terrain::{TerrainUniform, bind};
@@ -26,13 +31,50 @@ pub(super) const LIGHT_MAP_SAMPLER: u32 = 23;
 /// The shares of the sun and of the sky.
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rg8Unorm;
 
-/// Most texels along a side: all of them are drawn in one pass, which must not take so long that a driver gives up.
+/// Most texels along a side: all of them may be drawn in one pass, which must not take so long that a driver gives up.
 const MOST_TEXELS: u32 = 2048;
 
-/// Which pipeline draws it.
+/// What a channel holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Share {
+    /// Share of the sun's light, for shadows of this kind; with the occluder's, or without.
+    Sun(Shadows, bool),
+    /// Share of the sky's light.
+    Sky,
+}
+
+impl Share {
+    /// What a picture with this light reads.
+    fn all_of(light: LightKey) -> impl Iterator<Item = Self> {
+        let sun = light.baked.then_some(Self::Sun(light.shadows, light.occluder));
+        sun.into_iter().chain(light.occlusion.then_some(Self::Sky))
+    }
+
+    /// Which of the map's channels it is.
+    fn channel(self) -> usize {
+        match self {
+            Self::Sun(..) => 0,
+            Self::Sky => 1,
+        }
+    }
+
+    fn defs(self) -> Vec<&'static str> {
+        match self {
+            Self::Sky => vec!["OCCLUSION"],
+            Self::Sun(shadows, occluder) => {
+                [(true, "BAKED_SHADOWS"), (shadows == Shadows::Soft, "SOFT_SHADOWS"), (occluder, "OCCLUDER_SHADOW")]
+                    .into_iter()
+                    .filter_map(|(on, def)| on.then_some(def))
+                    .collect()
+            }
+        }
+    }
+}
+
+/// Which pipeline draws a channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct LightMapKey {
-    pub(super) light: LightKey,
+    pub(super) share: Share,
     /// The map has holes.
     pub(super) holes: bool,
     /// There is a crater layer.
@@ -40,8 +82,9 @@ pub(super) struct LightMapKey {
 }
 
 impl LightMapKey {
-    pub(super) fn of(light: LightKey, ground: &Ground, layered: bool) -> Self {
-        Self { light, holes: ground.has_holes(), layered }
+    /// Those of all channels that a picture with this light reads.
+    pub(super) fn all_of(light: LightKey, holes: bool, layered: bool) -> impl Iterator<Item = Self> {
+        Share::all_of(light).map(move |share| Self { share, holes, layered })
     }
 }
 
@@ -57,7 +100,7 @@ pub(super) fn describe(key: LightMapKey) -> PassDescription {
     let defs: Vec<_> = [(key.holes, "HOLES"), (key.layered, "CRATERS_LAYERED")]
         .into_iter()
         .filter_map(|(on, def)| on.then_some(def))
-        .chain(key.light.map_defs())
+        .chain(key.share.defs())
         .collect();
     PassDescription {
         name: format!("light map [{}]", defs.join(" ")),
@@ -66,6 +109,7 @@ pub(super) fn describe(key: LightMapKey) -> PassDescription {
         bindings,
         depth: None,
         format: FORMAT,
+        writes: [wgpu::ColorWrites::RED, wgpu::ColorWrites::GREEN][key.share.channel()],
         ..PassDescription::scene("light map", "light_map.wgsl", false)
     }
 }
@@ -75,33 +119,69 @@ pub(super) fn layout_entries() -> [wgpu::BindGroupLayoutEntry; 2] {
     [texture_entry(LIGHT_MAP, true, false), sampler_entry(LIGHT_MAP_SAMPLER)]
 }
 
-/// All that a light map depends on, besides the height map itself.
+/// All that a channel depends on, besides the height map itself.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct LightMapSource {
-    key: LightKey,
-    /// The uniform of the light, as bytes.
-    light: Vec<u8>,
+struct Source {
+    share: Share,
     extent: DVec3,
     craters: CraterSettings,
+    /// The uniform of the light, as bytes; empty for the sky's share, which does not care for the sun.
+    light: Vec<u8>,
 }
 
-impl LightMapSource {
-    pub(super) fn of(scene: &Scene, key: LightKey, uniform: &LightUniform, extent: DVec3) -> Self {
+impl Source {
+    fn of(scene: &Scene, share: Share, uniform: &LightUniform, extent: DVec3) -> Self {
         let CraterSettings { radius, depth, rim, .. } = CraterSettings::default();
         // The brush of the next crater throws no shadow.
         let craters = CraterSettings { radius, depth, rim, ..scene.craters.clone() };
-        let light = if key.baked { bytes_of(uniform).to_vec() } else { Vec::new() };
-        Self { key, light, extent, craters }
+        let light = if share == Share::Sky { Vec::new() } else { bytes_of(uniform).to_vec() };
+        Self { share, extent, craters, light }
+    }
+
+    /// Whether only the sun or the occluder has moved since.
+    fn only_light_differs(&self, other: &Self) -> bool {
+        self.light != other.light && *self == Self { light: self.light.clone(), ..other.clone() }
+    }
+}
+
+/// How far a channel is.
+#[derive(Debug)]
+struct Channel {
+    /// What is drawn in all of its rows.
+    done: Option<Source>,
+    /// What is being drawn, and how many rows of it are there.
+    under_way: Option<(Source, u32)>,
+    /// The light that it is drawn with, as it was when the drawing began.
+    light: LightBindings,
+}
+
+impl Channel {
+    fn new(gpu: &Gpu) -> Self {
+        Self { done: None, under_way: None, light: LightBindings::new(gpu) }
+    }
+
+    /// Has `wanted` drawn next. What is under way goes on to its end where only the sun has moved meanwhile: begun anew with
+    /// every step of a running clock, it would never be ready.
+    fn aim_at(&mut self, wanted: Source, gpu: &Gpu, uniform: &LightUniform) {
+        let goes_on = match &self.under_way {
+            Some((source, _)) => *source == wanted || source.only_light_differs(&wanted),
+            None => self.done.as_ref() == Some(&wanted),
+        };
+        if !goes_on {
+            self.light.write(gpu, uniform);
+            (self.done, self.under_way) = (None, Some((wanted, 0)));
+        }
     }
 }
 
 /// The map on the GPU.
 #[derive(Debug)]
 pub(super) struct LightMap {
-    /// What is drawn in it; absent before that.
-    source: Option<LightMapSource>,
+    channels: [Channel; 2],
     texture: Texture,
     sampler: wgpu::Sampler,
+    /// Nothing was drawn into it yet.
+    blank: bool,
 }
 
 /// Texels of the light map of a height map with so many cells.
@@ -119,7 +199,8 @@ impl LightMap {
             min_filter: wgpu::FilterMode::Linear,
             ..Default::default()
         });
-        Self { source: None, texture: Texture { texture, view }, sampler }
+        let channels = [Channel::new(gpu), Channel::new(gpu)];
+        Self { channels, texture: Texture { texture, view }, sampler, blank: true }
     }
 
     fn size(&self) -> [u32; 2] {
@@ -137,56 +218,94 @@ impl LightMap {
         TextureEntry::of("light map", &self.texture.texture)
     }
 
-    /// Draws it.
-    pub(super) fn encode(&mut self, encoder: &mut wgpu::CommandEncoder, frame: &FrameBindings, pass: &LightMapPass) {
+    /// Share of the rows under way that are drawn; `None` where nothing is under way.
+    pub(super) fn progress(&self) -> Option<f32> {
+        let rows = self.size()[1];
+        let under_way = self.channels.iter().filter_map(|channel| channel.under_way.as_ref());
+        let (drawn, all) = under_way.fold((0, 0), |(drawn, all), (_, done)| (drawn + done, all + rows));
+        (all > 0).then(|| drawn as f32 / all as f32)
+    }
+
+    /// The rows that a frame of so many texels draws, by channel; at least one row, or it would never be ready.
+    fn next_rows(&self, budget: Option<u32>) -> [Range<u32>; 2] {
+        let [width, height] = self.size();
+        let mut left = budget.map_or(2 * height, |texels| (texels / width).max(1));
+        self.channels.each_ref().map(|channel| {
+            let Some((_, done)) = channel.under_way else { return 0..0 };
+            let end = height.min(done + left);
+            left -= end - done;
+            done..end
+        })
+    }
+
+    /// Draws `passes`.
+    pub(super) fn encode(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        frame: &FrameBindings,
+        passes: &[LightMapPass],
+        timestamps: Option<wgpu::RenderPassTimestampWrites<'_>>,
+    ) {
+        let [width, height] = self.size();
+        let load =
+            if std::mem::take(&mut self.blank) { wgpu::LoadOp::Clear(wgpu::Color::WHITE) } else { wgpu::LoadOp::Load };
         let attachments = [Some(wgpu::RenderPassColorAttachment {
             view: &self.texture.view,
             depth_slice: None,
             resolve_target: None,
-            ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::WHITE), store: wgpu::StoreOp::Store },
+            ops: wgpu::Operations { load, store: wgpu::StoreOp::Store },
         })];
         let mut draws = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("light map"),
             color_attachments: &attachments,
+            timestamp_writes: timestamps,
             ..Default::default()
         });
-        draws.set_pipeline(&pass.built.pipeline);
-        draws.set_bind_group(0, frame.group(&pass.built), &[]);
-        draws.set_bind_group(1, &pass.group, &[]);
-        draws.draw(0..3, 0..1);
-        drop(draws);
-        self.source = Some(pass.source.clone());
+        for LightMapPass { built, group, channel, rows } in passes {
+            draws.set_pipeline(&built.pipeline);
+            draws.set_bind_group(0, frame.group(built), &[]);
+            draws.set_bind_group(1, group, &[]);
+            draws.set_scissor_rect(0, rows.start, width, rows.end - rows.start);
+            draws.draw(0..3, 0..1);
+            let channel = &mut self.channels[*channel];
+            channel.under_way = channel.under_way.take().map(|(source, _)| (source, rows.end));
+            if rows.end == height {
+                channel.done = channel.under_way.take().map(|(source, _)| source);
+            }
+        }
     }
 }
 
-/// The pass that draws it: pipeline and bind group.
+/// A pass that draws rows of a channel: pipeline and bind group.
 #[derive(Debug)]
 pub(super) struct LightMapPass {
-    pub(super) built: Arc<Built>,
-    pub(super) group: wgpu::BindGroup,
-    source: LightMapSource,
+    built: Arc<Built>,
+    group: wgpu::BindGroup,
+    channel: usize,
+    rows: Range<u32>,
 }
 
 impl Renderer {
-    /// Writes what passes read of the light, and drops the light map that no pass reads. What it has to be drawn of, where it
-    /// is needed and holds something else.
-    pub(super) fn prepare_light(
-        &mut self,
-        scene: &Scene,
-        view: &View,
-        light: LightKey,
-        probe: bool,
-    ) -> Option<LightMapSource> {
+    /// Lets a frame draw no more than about so many texels of a light map; `None`, as in the beginning: all of them. With a
+    /// budget, pictures show the part that is drawn until [`Self::baking`] says that all is.
+    pub fn set_bake_budget(&mut self, texels: Option<u32>) {
+        self.bake_budget = texels;
+    }
+
+    /// How much of the light map that the last picture needed is drawn, 0 to 1; `None`: all of it.
+    pub fn baking(&self) -> Option<f32> {
+        self.baking
+    }
+
+    /// Writes what passes read of the light, and drops the light map that no pass reads. Whether it has to be drawn.
+    pub(super) fn prepare_light(&mut self, scene: &Scene, view: &View, light: LightKey, probe: bool) -> bool {
         if probe {
-            return None;
+            return false;
         }
         if !light.needs_map() {
             self.light_map = None;
         }
-        let ground = self.ground.as_ref()?;
-        if light == LightKey::default() {
-            return None;
-        }
+        let Some(ground) = self.ground.as_ref().filter(|_| light != LightKey::default()) else { return false };
         let map = ground.terrain().base();
         let cube = occluder::world_from_cube(&scene.occluder, map, view.extent);
         let (cells, texels) = (map.cells(), size_of(map.cells(), self.gpu.capabilities.max_texture));
@@ -194,27 +313,42 @@ impl Renderer {
         let uniform = LightUniform::new(scene, light, cube, cells_per_texel);
         self.terrain.light.write(&self.gpu, &uniform);
         if !light.needs_map() || !self.shows_terrain(view) {
-            return None;
+            return false;
         }
-        let source = LightMapSource::of(scene, light, &uniform, view.extent);
-        if self.light_map.as_ref().is_none_or(|known| known.size() != texels) {
-            self.light_map = Some(LightMap::new(&self.gpu, texels));
+        if self.light_map.as_ref().is_some_and(|known| known.size() != texels) {
+            self.light_map = None;
         }
-        let is_known = self.light_map.as_ref().is_some_and(|known| known.source.as_ref() == Some(&source));
-        (!is_known).then_some(source)
+        let gpu = &self.gpu;
+        let known = self.light_map.get_or_insert_with(|| LightMap::new(gpu, texels));
+        for share in Share::all_of(light) {
+            let source = Source::of(scene, share, &uniform, view.extent);
+            known.channels[share.channel()].aim_at(source, gpu, &uniform);
+        }
+        if !light.baked {
+            known.channels[0].under_way = None;
+        }
+        if !light.occlusion {
+            known.channels[1].under_way = None;
+        }
+        known.progress().is_some()
     }
 
-    /// The pass that draws the light map of `source`; the ground's textures are up to date.
-    pub(super) fn light_map_pass(
-        &mut self,
-        light: LightKey,
-        source: LightMapSource,
-    ) -> Result<Option<LightMapPass>, RenderError> {
-        let Some(ground) = &self.ground else { return Ok(None) };
-        let key = LightMapKey::of(light, ground, ground.layer().is_some());
-        let built = self.pipelines.get(&self.gpu, &self.frame.layout, PipelineKey::LightMap(key))?;
-        let Some(entries) = self.terrain.shadow_entries(ground) else { return Ok(None) };
-        let group = bind(&self.gpu, &built, entries);
-        Ok(Some(LightMapPass { built, group, source }))
+    /// The passes that draw what is next of the light map; the ground's textures are up to date.
+    pub(super) fn light_map_passes(&mut self) -> Result<Vec<LightMapPass>, RenderError> {
+        let (Some(ground), Some(map)) = (&self.ground, &self.light_map) else { return Ok(Vec::new()) };
+        let (holes, layered) = (ground.has_holes(), ground.layer().is_some());
+        let mut passes = Vec::new();
+        for (channel, rows) in map.next_rows(self.bake_budget).into_iter().enumerate() {
+            let Some((source, _)) = map.channels[channel].under_way.as_ref().filter(|_| !rows.is_empty()) else {
+                continue;
+            };
+            let key = LightMapKey { share: source.share, holes, layered };
+            let built = self.pipelines.get(&self.gpu, &self.frame.layout, PipelineKey::LightMap(key))?;
+            let light = &map.channels[channel].light;
+            let Some(entries) = self.terrain.shadow_entries(ground, light) else { return Ok(Vec::new()) };
+            let group = bind(&self.gpu, &built, entries);
+            passes.push(LightMapPass { built, group, channel, rows });
+        }
+        Ok(passes)
     }
 }

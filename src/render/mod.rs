@@ -16,6 +16,7 @@ mod error;
 mod frame;
 mod ground;
 mod heat_map;
+mod images;
 mod land;
 mod ledger;
 mod light;
@@ -63,6 +64,7 @@ use drape::Drape;
 use frame::FrameBindings;
 pub(crate) use frame::ray_start;
 use ground::Ground;
+use images::Images;
 use land::Land;
 use light_map::LightMap;
 use materials::Materials;
@@ -92,9 +94,15 @@ pub struct Renderer {
     drape: Option<Drape>,
     land: Land,
     materials: Option<Materials>,
+    /// Read for the next picture.
+    images: Images,
     skybox: Option<Skybox>,
     beams: Option<Beams>,
     light_map: Option<LightMap>,
+    /// Most texels of a light map that a frame draws.
+    bake_budget: Option<u32>,
+    /// How much of it was drawn after the last picture, where not all was.
+    baking: Option<f32>,
     /// Exact distances that a frame of the error view finds itself.
     exact: Option<ExactDistances>,
     /// Exact distances that were given to the error view.
@@ -157,9 +165,12 @@ impl Renderer {
             drape: None,
             land: Land::new(&gpu),
             materials: None,
+            images: Images::default(),
             skybox: None,
             beams: None,
             light_map: None,
+            bake_budget: None,
+            baking: None,
             exact: None,
             reference: None,
             timer: FrameTimer::new(&gpu),
@@ -256,12 +267,14 @@ impl Renderer {
         let passes = self.prepare(scene, target.size(), aim)?;
         let mut encoder =
             self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("frame") });
-        if let (Some(pass), Some(map)) = (&passes.light_map, &mut self.light_map) {
-            map.encode(&mut encoder, &self.frame, pass);
+        let bakes = !passes.light_map.is_empty();
+        if let (true, Some(map)) = (bakes, &mut self.light_map) {
+            map.encode(&mut encoder, &self.frame, &passes.light_map, self.timer.writes(true, false));
         }
-        self.encode_beams(&mut encoder, &passes, self.timer.writes(true, false));
+        self.baking = self.light_map.as_ref().filter(|_| bakes).and_then(LightMap::progress);
+        self.encode_beams(&mut encoder, &passes, self.timer.writes(!bakes, false));
         if let Some(draw) = &passes.exact {
-            let first = passes.beams.is_none();
+            let first = passes.beams.is_none() && !bakes;
             self.encode_exact(&mut encoder, draw, &target.depth_view, self.timer.writes(first, false));
         }
         let background = if scene.debug.view == DebugView::Error { heat_map::sky_both() } else { BACKGROUND };
@@ -276,7 +289,7 @@ impl Renderer {
                 label: Some("scene"),
                 color_attachments: &attachments,
                 depth_stencil_attachment: Some(clear_depth(&target.depth_view)),
-                timestamp_writes: self.timer.writes(passes.beams.is_none() && passes.exact.is_none(), true),
+                timestamp_writes: self.timer.writes(passes.beams.is_none() && passes.exact.is_none() && !bakes, true),
                 occlusion_query_set: counter.map(probe::PixelCounter::queries),
                 multiview_mask: None,
             });
@@ -353,9 +366,10 @@ impl Renderer {
         Ok(self.pipelines.reload(&self.gpu, &self.frame.layout)?)
     }
 
-    /// Takes pipelines that were compiled elsewhere. Those of another device, or of shaders that were read again since, are
+    /// Takes pipelines that were compiled elsewhere, and images that were read there. Those of another device, or of shaders that were read again since, are
     /// of no use and not kept.
-    pub(crate) fn set_compiled(&mut self, compiled: Compiled) {
+    pub(crate) fn set_compiled(&mut self, mut compiled: Compiled) {
+        self.images.keep(compiled.take_images());
         if let Some(built) = compiled.made_of(self.pipelines.sources()) {
             self.pipelines.add(built);
         }
@@ -411,7 +425,7 @@ impl Renderer {
         textures.extend(self.exact.as_ref().or(self.reference.as_ref()).map(ExactDistances::entry));
         textures.push(TextureEntry::of("picture", &target.color));
         textures.push(TextureEntry::of("depth", &target.depth));
-        let baked = passes.light_map.iter().map(|_| "light map");
+        let baked = (!passes.light_map.is_empty()).then_some("light map").into_iter();
         let before = baked
             .chain(passes.beams.iter().flat_map(|_| Tiles::ALL.map(Tiles::name)))
             .chain(passes.exact.iter().map(|draw| draw.name));

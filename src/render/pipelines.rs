@@ -63,6 +63,8 @@ pub(super) struct PassDescription {
     /// Depth test, and whether depth is written; absent without a depth buffer.
     pub(super) depth: Option<(wgpu::CompareFunction, bool)>,
     pub(super) format: wgpu::TextureFormat,
+    /// The channels it writes.
+    pub(super) writes: wgpu::ColorWrites,
 }
 
 impl PassDescription {
@@ -80,6 +82,7 @@ impl PassDescription {
             cull: None,
             depth: Some((DEPTH_COMPARE, true)),
             format: if probe { PROBE_FORMAT } else { COLOR_FORMAT },
+            writes: wgpu::ColorWrites::ALL,
         }
     }
 }
@@ -227,7 +230,7 @@ pub(super) fn build(
             module: &shader,
             entry_point: Some("fs_main"),
             compilation_options: wgpu::PipelineCompilationOptions::default(),
-            targets: &[Some(pass.format.into())],
+            targets: &[Some(wgpu::ColorTargetState { format: pass.format, blend: None, write_mask: pass.writes })],
         }),
         multiview_mask: None,
         cache: None,

@@ -40,8 +40,8 @@ pub(super) struct Draw {
 
 /// What a frame or a probe draws.
 pub(super) struct Passes {
-    /// Draws the light map, where it is not that of the scene.
-    pub(super) light_map: Option<LightMapPass>,
+    /// Draw rows of the light map, where it is not that of the scene.
+    pub(super) light_map: Vec<LightMapPass>,
     /// There where a technique starts from beams, with the part of the picture where rays do.
     pub(super) beams: Option<([BeamPass; 2], Area)>,
     /// Finds the exact distances, for the error view.
@@ -114,12 +114,10 @@ impl Renderer {
         let beamed = terrains.iter().map(|(side, key)| (side.area, *key)).chain(exact.map(|key| (whole, key)));
         let beamed = beamed.filter(|(_, key)| key.starts_from_beams()).map(|(area, _)| area).reduce(Area::union);
         let light = if probe { LightKey::default() } else { LightKey::of_picture(scene) };
-        let stale = self.prepare_light(scene, &view, light, probe);
+        let bakes = self.prepare_light(scene, &view, light, probe);
         if let Some(ground) = &mut self.ground {
-            let walked = terrains.iter().any(|(_, key)| key.needs_pyramid())
-                || beamed.is_some()
-                || stale.is_some()
-                || light.occluder;
+            let walked =
+                terrains.iter().any(|(_, key)| key.needs_pyramid()) || beamed.is_some() || bakes || light.occluder;
             let smooth = terrains.iter().any(|(_, key)| key.is_smooth());
             ground.prepare(&self.gpu, &scene.craters, walked, smooth);
             let kinds: Vec<_> = terrains.iter().filter_map(|(_, key)| key.needs_cones()).collect();
@@ -140,7 +138,7 @@ impl Renderer {
         let anchored = terrains.iter().map(|(_, key)| key).chain(&exact).any(|key| key.deep);
         let anchors = if anchored { self.prepare_anchors(scene, &view, size) } else { Vec::new() };
 
-        let light_map = stale.map(|source| self.light_map_pass(light, source)).transpose()?.flatten();
+        let light_map = if bakes { self.light_map_passes()? } else { Vec::new() };
         let mut draws = Vec::new();
         for (side, key) in terrains {
             draws.extend(self.terrain_draw(scene, &view, side, key, aim)?);
@@ -166,6 +164,9 @@ impl Renderer {
             let built = self.pipelines.get(&self.gpu, &self.frame.layout, PipelineKey::Skybox)?;
             let group = skybox.group(&self.gpu, &built);
             draws.push(Draw { name: "skybox", built, group, edges: false, area: whole });
+        }
+        if !probe {
+            self.images.clear();
         }
         Ok(Passes { light_map, beams, exact, draws, anchors })
     }
@@ -242,13 +243,17 @@ impl Renderer {
         }
     }
 
-    /// What a frame of `scene` of `size` pixels, or a probe of it, would have to compile first; `None` where all is there,
+    /// What a frame of `scene` of `size` pixels, or a probe of it, would have to compile or read first; `None` where all is there,
     /// and where there is no such frame. That is said by who draws it.
     pub(crate) fn missing_pipelines(&self, scene: &Scene, size: [u32; 2], probe: bool) -> Option<Compilation> {
         scene_file::validate(scene).ok()?;
         let mut keys = self.pipelines_of(scene, size, probe)?;
+        let terrains: Vec<_> =
+            keys.iter().filter_map(|key| if let PipelineKey::Terrain(key) = key { Some(*key) } else { None }).collect();
+        let images = if probe { Vec::new() } else { self.missing_images(scene, &terrains) };
         keys.retain(|&key| !self.pipelines.has(key));
-        (!keys.is_empty()).then(|| Compilation::new(&self.gpu, self.pipelines.sources(), &self.frame, keys))
+        let missing = !(keys.is_empty() && images.is_empty());
+        missing.then(|| Compilation::new(&self.gpu, self.pipelines.sources(), &self.frame, keys, images))
     }
 
     /// The pipelines of a frame, also of what is out of view: it may come into view any moment.
@@ -271,9 +276,8 @@ impl Renderer {
                 keys.extend(Tiles::ALL.map(|tiles| PipelineKey::Beam(tiles, false)));
             }
             let light = if probe { LightKey::default() } else { LightKey::of_picture(scene) };
-            if light.needs_map() {
-                keys.push(PipelineKey::LightMap(LightMapKey::of(light, ground, is_layered(scene))));
-            }
+            let maps = LightMapKey::all_of(light, ground.has_holes(), is_layered(scene));
+            keys.extend(maps.map(PipelineKey::LightMap));
             keys.extend(terrain.into_iter().map(PipelineKey::Terrain));
             if scene.debug.wireframe && !probe {
                 keys.push(PipelineKey::Wireframe);
@@ -319,7 +323,7 @@ impl Renderer {
         }
         let Some(ground) = &mut self.ground else { return Ok(()) };
         // Painted by the slopes of the map without craters, whenever that is: colours far from a crater stay as they are.
-        if drape.prepare(&self.gpu, &scene.diffuse, ground.terrain().base())? {
+        if drape.prepare(&self.gpu, &scene.diffuse, ground.terrain().base(), &mut self.images)? {
             ground.take_changed();
             if let Some(rect) = ground.terrain().displaced() {
                 self.uploaded += drape.update(&self.gpu, ground.terrain().field(), rect);
@@ -336,7 +340,7 @@ impl Renderer {
             return Ok(());
         };
         let materials = self.materials.get_or_insert_with(|| Materials::new(&self.gpu));
-        let result = materials.prepare(&self.gpu, scene, ground, view.extent);
+        let result = materials.prepare(&self.gpu, scene, ground, view.extent, &mut self.images);
         self.uploaded += materials.take_uploaded();
         result
     }
@@ -346,7 +350,7 @@ impl Renderer {
         if !scene.skybox.enabled || scene.debug.view == DebugView::Error {
             self.skybox = None;
         } else if !self.skybox.as_ref().is_some_and(|skybox| skybox.matches(scene)) {
-            let (skybox, uploaded) = Skybox::new(&self.gpu, scene)?;
+            let (skybox, uploaded) = Skybox::new(&self.gpu, scene, &mut self.images)?;
             self.uploaded += uploaded;
             self.skybox = Some(skybox);
         }
@@ -453,7 +457,7 @@ impl Renderer {
                 let uniform = TerrainUniform::new(scene, ground, self.drape.as_ref(), view.extent, &view.box_clip);
                 self.terrain.write(&self.gpu, &uniform);
             }
-            let Some(shadow) = self.terrain.shadow_entries(ground) else { return Ok(None) };
+            let Some(shadow) = self.terrain.shadow_entries(ground, &self.terrain.light) else { return Ok(None) };
             entries = shadow;
         }
         let group = self.occluder.prepare(&self.gpu, &built, key, &uniform, entries);

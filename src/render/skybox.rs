@@ -7,6 +7,7 @@ use crate::scene::Scene;
 
 use super::RenderError;
 use super::frame::{sampler_entry, texture_entry};
+use super::images::{Images, Purpose};
 use super::ledger::TextureEntry;
 use super::mips::{self, Image};
 use super::pipelines::{Built, PassDescription};
@@ -54,11 +55,11 @@ pub(super) struct Skybox {
 
 impl Skybox {
     /// Makes or reads the map; also returns the bytes uploaded.
-    pub(super) fn new(gpu: &Gpu, scene: &Scene) -> Result<(Self, u64), RenderError> {
+    pub(super) fn new(gpu: &Gpu, scene: &Scene, images: &mut Images) -> Result<(Self, u64), RenderError> {
         let source = Source::of(scene);
         let faces = match &source {
             Source::Procedural(sky) => sky_map::faces(sky),
-            Source::Files(files) => read_faces(files, gpu.capabilities.max_texture)?,
+            Source::Files(files) => read_faces(files, gpu.capabilities.max_texture, images)?,
         };
         let side = faces.first().map_or(1, |face| face.width);
         let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
@@ -107,11 +108,11 @@ impl Skybox {
     }
 }
 
-fn read_faces(files: &[PathBuf; 6], largest: u32) -> Result<Vec<Image>, RenderError> {
+fn read_faces(files: &[PathBuf; 6], largest: u32, images: &mut Images) -> Result<Vec<Image>, RenderError> {
     let mut faces: Vec<Image> = Vec::new();
     for path in files {
         let fail = |reason| RenderError::Image { path: path.clone(), reason };
-        let face = Image::read(path, largest).map_err(fail)?;
+        let face = images.take(path, Purpose::Face, largest)?.image;
         let side = faces.first().map_or(face.width, |first| first.width);
         if face.width != side || face.height != side {
             return Err(fail(format!(

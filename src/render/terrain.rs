@@ -215,14 +215,18 @@ impl TerrainBindings {
     }
 
     /// What a walk over the ground towards the sun reads; `None` without a pyramid.
-    pub(super) fn shadow_entries<'a>(&'a self, ground: &'a Ground) -> Option<Vec<(u32, wgpu::BindingResource<'a>)>> {
+    pub(super) fn shadow_entries<'a>(
+        &'a self,
+        ground: &'a Ground,
+        light: &'a LightBindings,
+    ) -> Option<Vec<(u32, wgpu::BindingResource<'a>)>> {
         let view = wgpu::BindingResource::TextureView;
         let mut entries = vec![
             (0, self.buffer.as_entire_binding()),
             (1, view(ground.heights())),
             (3, view(ground.pyramid()?)),
             (7, wgpu::BindingResource::Sampler(&self.corner_sampler)),
-            self.light.entry(),
+            light.entry(),
         ];
         entries.extend(ground.layer().map(|(layer, ..)| (4, view(layer))));
         Some(entries)

@@ -191,10 +191,14 @@ fn every_reachable_pipeline_builds_and_binds_just_what_its_shader_uses() {
         }
     }
     let baking = LightKey::all().into_iter().filter(|light| light.needs_map());
-    all.extend(baking.flat_map(|light| {
-        let ground = [(false, false), (true, false), (true, true)];
-        ground.map(|(holes, layered)| PipelineKey::LightMap(LightMapKey { light, holes, layered }))
-    }));
+    all.extend(
+        baking
+            .flat_map(|light| {
+                let ground = [(false, false), (true, false), (true, true)];
+                ground.into_iter().flat_map(move |(holes, layered)| LightMapKey::all_of(light, holes, layered))
+            })
+            .map(PipelineKey::LightMap),
+    );
     for software in [false, true] {
         let mut gpu = Gpu::noop();
         Arc::get_mut(&mut gpu).unwrap().capabilities.software = software;

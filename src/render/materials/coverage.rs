@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::super::RenderError;
+use super::super::images::{Images, Purpose};
 use super::super::mips::Image;
 
 /// A set of coverage maps of one size, without the sRGB curve: their bytes are weights.
@@ -19,11 +20,11 @@ impl Coverage {
     /// # Errors
     /// [`RenderError::Image`] for the first file that is missing or no image, and for one whose size differs from the
     /// first one's.
-    pub(super) fn read(paths: &[PathBuf], largest: u32) -> Result<Self, RenderError> {
+    pub(super) fn read(paths: &[PathBuf], largest: u32, images: &mut Images) -> Result<Self, RenderError> {
         let fail = |path: &Path, reason: String| RenderError::Image { path: path.to_path_buf(), reason };
         let (mut size, mut layers) = ([1, 1], Vec::new());
         for (index, path) in paths.iter().enumerate() {
-            let image = Image::read_weights(path, largest).map_err(|reason| fail(path, reason))?;
+            let image = images.take(path, Purpose::Weights, largest)?.image;
             let own = [image.width, image.height];
             if index == 0 {
                 size = own;
@@ -94,15 +95,15 @@ mod tests {
             path
         };
         let (first, second) = (save("a.png", 8), save("b.png", 9));
-        let message = |paths: &[PathBuf]| Coverage::read(paths, 64).unwrap_err().to_string();
+        let message = |paths: &[PathBuf]| Coverage::read(paths, 64, &mut Images::default()).unwrap_err().to_string();
         let missing = message(&[folder.path().join("none.png")]);
         assert!(missing.contains("none.png") && missing.contains("No such file"), "{missing}");
         let differs = message(&[first.clone(), second]);
         assert!(differs.contains("b.png") && differs.contains("9×9") && differs.contains("8×8"), "{differs}");
-        assert_eq!(Coverage::read(&[first.clone(), first], 64).unwrap().layers.len(), 2);
+        assert_eq!(Coverage::read(&[first.clone(), first], 64, &mut Images::default()).unwrap().layers.len(), 2);
         let opaque = folder.path().join("rgb.png");
         image::RgbImage::from_pixel(2, 2, image::Rgb([9, 8, 7])).save(&opaque).unwrap();
-        let coverage = Coverage::read(&[opaque], 64).unwrap();
+        let coverage = Coverage::read(&[opaque], 64, &mut Images::default()).unwrap();
         assert_eq!(coverage.layers[0][0][..4], [9, 8, 7, 0], "no alpha is no snow");
     }
 }

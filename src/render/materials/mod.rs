@@ -17,6 +17,7 @@ use crate::scene::{MOST_COVERAGE_MAPS, Scene};
 use super::RenderError;
 use super::frame::{sampler_entry, texture_entry, uniform_buffer, uniform_entry};
 use super::ground::{Ground, Texture};
+use super::images::Images;
 use super::ledger::TextureEntry;
 
 use coverage::Coverage;
@@ -97,6 +98,11 @@ impl Materials {
         }
     }
 
+    /// Whether the coverage maps are those of `paths`.
+    pub(super) fn covers(&self, paths: &[PathBuf]) -> bool {
+        self.coverage.as_ref().map_or(&[][..], |(known, _)| known) == paths
+    }
+
     /// Brings uniform and coverage maps up to date with `scene`.
     ///
     /// # Errors
@@ -108,6 +114,7 @@ impl Materials {
         scene: &Scene,
         ground: &Ground,
         extent: glam::DVec3,
+        images: &mut Images,
     ) -> Result<(), RenderError> {
         let uniform = MaterialsUniform::new(scene, ground, extent).ok_or(RenderError::Impossible {
             what: "levels of materials in metres",
@@ -118,8 +125,8 @@ impl Materials {
         let paths = &scene.materials.coverage;
         if paths.is_empty() {
             self.coverage = None;
-        } else if self.coverage.as_ref().is_none_or(|(known, _)| known != paths) {
-            let coverage = Coverage::read(paths, gpu.capabilities.max_texture)?;
+        } else if !self.covers(paths) {
+            let coverage = Coverage::read(paths, gpu.capabilities.max_texture, images)?;
             // Always two layers: one of a single layer would be another kind of texture to some drivers.
             let shape = Shape {
                 label: "coverage",
