@@ -147,6 +147,8 @@ impl Source {
 /// How far a channel is.
 #[derive(Debug)]
 struct Channel {
+    /// What the last picture needed; absent where it needed nothing of this channel.
+    wanted: Option<Source>,
     /// What is drawn in all of its rows.
     done: Option<Source>,
     /// What is being drawn, and how many rows of it are there.
@@ -157,7 +159,7 @@ struct Channel {
 
 impl Channel {
     fn new(gpu: &Gpu) -> Self {
-        Self { done: None, under_way: None, light: LightBindings::new(gpu) }
+        Self { wanted: None, done: None, under_way: None, light: LightBindings::new(gpu) }
     }
 
     /// Has `wanted` drawn next. What is under way goes on to its end where only the sun has moved meanwhile: begun anew with
@@ -169,7 +171,22 @@ impl Channel {
         };
         if !goes_on {
             self.light.write(gpu, uniform);
-            (self.done, self.under_way) = (None, Some((wanted, 0)));
+            (self.done, self.under_way) = (None, Some((wanted.clone(), 0)));
+        }
+        self.wanted = Some(wanted);
+    }
+
+    /// No picture needs it.
+    fn rest(&mut self) {
+        (self.wanted, self.under_way) = (None, None);
+    }
+
+    /// How many of its rows are drawn; `None` where all are.
+    fn progress(&self) -> Option<u32> {
+        match &self.under_way {
+            Some((_, rows)) => Some(*rows),
+            // What was begun for another sun is drawn to its end; what is wanted begins in the next frame.
+            None => (self.wanted.is_some() && self.done != self.wanted).then_some(0),
         }
     }
 }
@@ -218,11 +235,11 @@ impl LightMap {
         TextureEntry::of("light map", &self.texture.texture)
     }
 
-    /// Share of the rows under way that are drawn; `None` where nothing is under way.
+    /// Share of the rows to be drawn that are; `None` where all is there.
     pub(super) fn progress(&self) -> Option<f32> {
         let rows = self.size()[1];
-        let under_way = self.channels.iter().filter_map(|channel| channel.under_way.as_ref());
-        let (drawn, all) = under_way.fold((0, 0), |(drawn, all), (_, done)| (drawn + done, all + rows));
+        let under_way = self.channels.iter().filter_map(Channel::progress);
+        let (drawn, all) = under_way.fold((0, 0), |(drawn, all), done| (drawn + done, all + rows));
         (all > 0).then(|| drawn as f32 / all as f32)
     }
 
@@ -324,11 +341,10 @@ impl Renderer {
             let source = Source::of(scene, share, &uniform, view.extent);
             known.channels[share.channel()].aim_at(source, gpu, &uniform);
         }
-        if !light.baked {
-            known.channels[0].under_way = None;
-        }
-        if !light.occlusion {
-            known.channels[1].under_way = None;
+        for (channel, needed) in known.channels.iter_mut().zip([light.baked, light.occlusion]) {
+            if !needed {
+                channel.rest();
+            }
         }
         known.progress().is_some()
     }
