@@ -7,7 +7,7 @@ use std::fs;
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Condvar, Mutex, PoisonError};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
@@ -28,8 +28,30 @@ const POLL: Duration = Duration::from_millis(15);
 /// The settings that a viewer opens with.
 const SETTINGS: &str = "version = 1\n[interface]\nwelcome = false\nmotion = \"full\"\ntheme = \"dark\"\n";
 
-/// The software driver draws on all cores, so one viewer at a time is fastest.
-static TURN: Mutex<()> = Mutex::new(());
+/// Viewers at a time: while one waits for a key or a timer, another one draws.
+const VIEWERS: usize = 2;
+
+/// How many more viewers may open.
+static TURNS: (Mutex<usize>, Condvar) = (Mutex::new(VIEWERS), Condvar::new());
+
+/// A viewer's turn, until it goes.
+struct Turn;
+
+impl Turn {
+    fn wait() -> Self {
+        let left = TURNS.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut left = TURNS.1.wait_while(left, |left| *left == 0).unwrap_or_else(PoisonError::into_inner);
+        *left -= 1;
+        Self
+    }
+}
+
+impl Drop for Turn {
+    fn drop(&mut self) {
+        *TURNS.0.lock().unwrap_or_else(PoisonError::into_inner) += 1;
+        TURNS.1.notify_one();
+    }
+}
 
 /// Ends a program with its owner, also when a test panics.
 struct Running(Child);
@@ -51,7 +73,7 @@ pub(crate) struct Window {
     id: String,
     folder: TempDir,
     labels: RefCell<BTreeSet<String>>,
-    _turn: MutexGuard<'static, ()>,
+    _turn: Turn,
 }
 
 /// `program` of the Debian package `package`.
@@ -108,7 +130,7 @@ impl Window {
         environment: &[(&str, &str)],
         prepare: impl FnOnce(&str) -> T,
     ) -> (Self, T) {
-        let turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
+        let turn = Turn::wait();
         command("xdotool", "xdotool");
         let folder = tempfile::Builder::new().prefix("relief-window-").tempdir().unwrap();
         let (screen, display) = screen();

@@ -163,8 +163,6 @@ const SKYBOX: &[Row] = &[
 
 const SUN: &[Row] = &[
     ("Shadows", Choose("soft"), "/scene/lighting/shadows", Def("SOFT_SHADOWS")),
-    ("Bake shadows", Click, "/scene/lighting/baked", Def("BAKED_SHADOWS")),
-    ("Ambient occlusion", Click, "/scene/lighting/occlusion", Def("OCCLUSION")),
     ("Follow the clock", Click, "/scene/lighting/clock/enabled", Uploads),
     ("Hour", Slide(0.8), "/scene/lighting/clock/hour", Uploads),
     ("Hour value", Number("19"), "/scene/lighting/clock/hour", Uploads),
@@ -178,6 +176,9 @@ const SUN: &[Row] = &[
     ("Latitude value", Number("40"), "/scene/lighting/clock/latitude", Nothing),
     ("Longitude", Slide(0.2), "/scene/lighting/clock/longitude", Nothing),
     ("Longitude value", Number("-100"), "/scene/lighting/clock/longitude", Nothing),
+    // Last: the ledger is that of the last frame, and a light map takes some of them.
+    ("Bake shadows", Click, "/scene/lighting/baked", Def("BAKED_SHADOWS")),
+    ("Ambient occlusion", Click, "/scene/lighting/occlusion", Def("OCCLUSION")),
 ];
 
 const OCCLUDER: &[Row] = &[
