@@ -1,7 +1,8 @@
 //! A diffuse texture made from the heights: bands of rock on steep ground, soil and woods on flat ground.
 //!
 //! The bands and their order are those of the Grand Canyon, from the dark schist of the gorge over red sandstone and
-//! cream cliffs to the wooded plateau, but they hang on normalised heights, so every landscape gets them.
+//! cream cliffs to the wooded plateau, but they hang on normalised heights, so every landscape gets them: all but maps
+//! that reach far below 0 m, whose sea is blue and whose land begins green at the shore.
 
 use std::sync::Arc;
 
@@ -56,6 +57,33 @@ const SOIL: [(f32, Vec3); 11] = [
 /// Woods and shrubs where they grow on the soil (sRGB), and the height from which they cover it.
 const WOODS: Vec3 = Vec3::new(62.0, 78.0, 50.0);
 const WOODS_FROM: (f32, f32) = (0.64, 0.86);
+
+/// Share of the map's relief that must lie below 0 m for it to be taken for a map of a sea. Less is land that lies low.
+const LEAST_SEA: f32 = 0.1;
+
+/// The bed of a sea, from its deepest place to the shore (sRGB).
+const BED: [(f32, Vec3); 5] = [
+    (0.00, Vec3::new(14.0, 30.0, 60.0)),
+    (0.55, Vec3::new(28.0, 62.0, 104.0)),
+    (0.88, Vec3::new(48.0, 100.0, 136.0)),
+    (0.98, Vec3::new(92.0, 148.0, 162.0)),
+    (1.00, Vec3::new(150.0, 184.0, 172.0)),
+];
+
+/// Land beside a sea by its share of the highest: what covers gentle ground, and bare rock (sRGB).
+const COUNTRY: [(f32, Vec3); 6] = [
+    (0.00, Vec3::new(126.0, 134.0, 88.0)),
+    (0.04, Vec3::new(94.0, 116.0, 68.0)),
+    (0.20, Vec3::new(126.0, 132.0, 84.0)),
+    (0.45, Vec3::new(160.0, 146.0, 106.0)),
+    (0.75, Vec3::new(156.0, 146.0, 136.0)),
+    (1.00, Vec3::new(240.0, 242.0, 244.0)),
+];
+const STONE: [(f32, Vec3); 3] = [
+    (0.0, Vec3::new(118.0, 108.0, 92.0)),
+    (0.5, Vec3::new(130.0, 120.0, 108.0)),
+    (1.0, Vec3::new(198.0, 198.0, 200.0)),
+];
 
 /// A texture over the whole map: texel (i, j) is centred on u = (i + ½) / width, v = (j + ½) / height.
 #[derive(Clone, Debug, PartialEq)]
@@ -129,6 +157,15 @@ struct Painter {
     mean_slope: f32,
     /// The map's sides over the longer one, so that noise is not stretched.
     sides: [f32; 2],
+    /// Height of the sea, of the map's relief, where it has one.
+    sea: Option<f32>,
+}
+
+/// Share of the map's relief that lies below 0 m, where that is enough to be a sea.
+fn sea_level(field: &HeightField) -> Option<f32> {
+    let [lowest, highest] = field.range();
+    let share = (-lowest / (highest - lowest)) as f32;
+    (field.has_metres() && share >= LEAST_SEA).then_some(share.min(1.0))
 }
 
 impl Painter {
@@ -137,7 +174,13 @@ impl Painter {
         let slope_scale = [(size.y * columns / size.x) as f32, (size.y * rows / size.z) as f32];
         let sides = field.box_size(None);
         let filled = field.holes().map(|_| Arc::new(field.clone().with_hole_policy(Holes::Fill)));
-        let mut painter = Self { filled, slope_scale, mean_slope: 0.0, sides: [sides.x as f32, sides.z as f32] };
+        let mut painter = Self {
+            filled,
+            slope_scale,
+            mean_slope: 0.0,
+            sides: [sides.x as f32, sides.z as f32],
+            sea: sea_level(field),
+        };
         // In two stages, so that the sum does not depend on how the work is shared out.
         let row_sums: Vec<f64> = (0..field.height() as i32)
             .into_par_iter()
@@ -193,7 +236,10 @@ impl Painter {
         let slope = self.slope(field, x, y);
         let steepness = if slope > 0.0 { slope / (slope + self.mean_slope) } else { 0.0 };
         let bare = smoothstep(0.36, 0.68, steepness + 0.04 * fine);
-        let ground = mix(soil(height, broad, fine), rock(height + 0.007 * broad + 0.002 * fine), bare);
+        let ground = match self.sea {
+            None => mix(soil(height, broad, fine), rock(height + 0.007 * broad + 0.002 * fine), bare),
+            Some(sea) => beside_sea(height - sea, sea, bare) * (1.0 + 0.04 * broad),
+        };
 
         // Hollows are darker and crests paler, as dust and shade make them.
         let hollow = self.hollow(field, x, y, height) / (self.mean_slope + 1e-6);
@@ -209,6 +255,15 @@ impl Painter {
             around.into_iter().map(|(dx, dy)| self.near(field, x + dx, y + dy)).sum::<f32>() / around.len() as f32;
         (mean - height) * self.slope_scale[0] / R as f32
     }
+}
+
+/// Ground so far `over` a sea that lies `sea` high, both of the map's relief; `bare`: how much of it is rock.
+fn beside_sea(over: f32, sea: f32, bare: f32) -> Vec3 {
+    if over < 0.0 {
+        return ramp(&BED, 1.0 + over / sea);
+    }
+    let share = over / (1.0 - sea).max(f32::MIN_POSITIVE);
+    mix(ramp(&COUNTRY, share), ramp(&STONE, share), bare)
 }
 
 /// Bare rock: the band of this height, with thin beds in it.
@@ -298,6 +353,28 @@ mod tests {
         assert!(mean(0.0, 0.15) + 15.0 < mean(0.3, 0.6));
         let colours: std::collections::HashSet<_> = texture.rgba.chunks(4).map(<[u8]>::to_vec).collect();
         assert!(colours.len() > 2000, "{}", colours.len());
+    }
+
+    /// The whole Earth is not a canyon: what lies below 0 m is blue, the shore green, the summits white.
+    #[test]
+    fn a_sea_is_blue_where_metres_are_known() {
+        let metres: Vec<f64> = (0..64 * 64).map(|i| f64::from(i % 64) / 63.0 * 8000.0 - 4000.0).collect();
+        let field = HeightField::from_raw(64, 64, &metres).unwrap();
+        let texel = |field: &HeightField, column: usize| {
+            let texture = diffuse(field, field.box_size(None), 64);
+            let rgba = &texture.rgba[(32 * 64 + column) * 4..][..3];
+            [rgba[0], rgba[1], rgba[2]].map(i32::from)
+        };
+        let metric = field.clone().with_metres(true);
+        let [deep, shore, summit] = [6, 33, 63].map(|column| texel(&metric, column));
+        assert!(deep[2] > deep[0] + 40 && deep[2] > deep[1], "{deep:?}");
+        assert!(shore[1] > shore[0] && shore[1] > shore[2] + 20, "{shore:?}");
+        assert!(summit.iter().all(|&channel| channel > 150), "{summit:?}");
+        // Without metres 0 means nothing, and a little land below the sea is land.
+        assert_ne!(texel(&field, 6), deep);
+        let polder: Vec<f64> = metres.iter().map(|height| height + 3900.0).collect();
+        let polder = HeightField::from_raw(64, 64, &polder).unwrap();
+        assert_eq!(texel(&polder.clone().with_metres(true), 0), texel(&polder, 0));
     }
 
     #[test]
