@@ -162,7 +162,12 @@ impl Viewer {
         self.read_land(graphics, self.pixels_per_point());
         let mut commands = Vec::new();
         let drawable = self.drawable(graphics);
+        let eye = self.scene.camera;
         let mut output = ctx.run_ui(input, |ui| self.interface(ui, &drawable, (&mut commands, timestamps), now));
+        if self.scene.camera != eye {
+            // Typed coordinates win over a path.
+            self.journey.stop();
+        }
 
         if self.pointer.captured {
             output.platform_output.cursor_icon = egui::CursorIcon::None;
@@ -316,6 +321,9 @@ impl Viewer {
                 let subject = Subject::of(&visible, graphics.renderer.ledger(), graphics.target.size());
                 self.meter.scene_was_drawn(subject, now);
                 self.drawn = Some(visible);
+                if self.measured_before(graphics) {
+                    self.redraw.invalidate();
+                }
                 // A new crater's rim may have risen over the eye.
                 self.settle_eye(graphics);
                 Ok(())

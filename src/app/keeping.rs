@@ -32,12 +32,14 @@ pub(super) struct Keeper {
     /// The part of egui's zoom that is the user's.
     zoom: f32,
     wishes: Wishes,
+    /// The size that the command line asked for, which is for this run.
+    asked: Option<[u32; 2]>,
 }
 
 impl Keeper {
-    /// A keeper of what was read.
-    pub(super) fn new(store: Store, kept: Preferences) -> Self {
-        Self { store, kept, moved: true, due: None, looks: None, zoom: 1.0, wishes: Wishes::default() }
+    /// A keeper of what was read; a window of the size `asked` is not remembered.
+    pub(super) fn new(store: Store, kept: Preferences, asked: Option<[u32; 2]>) -> Self {
+        Self { store, kept, moved: true, due: None, looks: None, zoom: 1.0, wishes: Wishes::default(), asked }
     }
 
     /// The window was moved or has another size.
@@ -161,7 +163,10 @@ impl Viewer {
         let place = &mut self.keeper.kept.window;
         place.maximised = self.window.is_maximized();
         if !place.maximised {
-            place.size = Some(self.window.inner_size().into()).filter(|size: &[u32; 2]| !size.contains(&0));
+            let size: [u32; 2] = self.window.inner_size().into();
+            if !size.contains(&0) && self.keeper.asked != Some(size) {
+                place.size = Some(size);
+            }
             place.position = self.window.outer_position().ok().map(Into::into);
         }
     }

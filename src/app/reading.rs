@@ -14,7 +14,7 @@ use super::{controls, picking};
 use crate::camera::{Camera, Ray};
 use crate::heightfield::reference::Surface;
 use crate::heightfield::survey::{Place, Profile, Survey};
-use crate::heightfield::{EXAGGERATIONS, HEIGHT_SCALES, HeightField};
+use crate::heightfield::{Crater, EXAGGERATIONS, HEIGHT_SCALES, HeightField};
 use crate::scene::land::number;
 
 /// The exaggerations that the keys step through: round, and about equally far apart to the eye.
@@ -57,7 +57,7 @@ struct LineOf {
     picture: [u32; 2],
     scale: f64,
     ends: Vec<[f64; 2]>,
-    craters: usize,
+    craters: Vec<Crater>,
 }
 
 /// The same for automated tests and remote control.
@@ -116,15 +116,20 @@ impl Reading {
         }
     }
 
+    /// Measures the way again, over ground that has changed.
+    fn renew(&mut self, survey: &Survey<'_>) {
+        if let [from, to] = self.ends[..] {
+            self.profile = Some(survey.profile(from, to));
+        }
+    }
+
     /// Takes a click on the ground at shares of the map: the first end, the second, or the first of another way.
     fn take_end(&mut self, at: [f64; 2], survey: &Survey<'_>) {
         if self.ends.len() == 2 {
             (self.ends, self.profile) = (Vec::new(), None);
         }
         self.ends.push(at);
-        if let [from, to] = self.ends[..] {
-            self.profile = Some(survey.profile(from, to));
-        }
+        self.renew(survey);
     }
 }
 
@@ -144,7 +149,18 @@ pub(crate) fn exaggeration(map: &HeightField, height_scale: f64) -> f64 {
     if own > 0.0 { height_scale / own } else { 1.0 }
 }
 
+/// The craters of the ground that was drawn last.
+fn craters(graphics: &Graphics) -> &[Crater] {
+    graphics.renderer.terrain().map_or(&[], |terrain| terrain.craters())
+}
+
 impl Viewer {
+    /// Whether the measured way lies over ground that has changed since.
+    pub(super) fn measured_before(&self, graphics: &Graphics) -> bool {
+        let reading = &self.view.reading;
+        reading.measure && reading.line_of.as_ref().is_some_and(|of| of.craters != craters(graphics))
+    }
+
     /// Makes heights so many times their true proportion; the eye keeps its height above the ground.
     pub(super) fn exaggerate(&mut self, graphics: &Graphics, times: f64, now: Instant) {
         let own = self.map.true_height_scale();
@@ -202,9 +218,12 @@ impl Viewer {
         if let (Some(Ok(at)), true) = (clicked.map(shares), reading.measure) {
             reading.take_end(at, &survey);
         }
-        let craters = self.scene.craters.list.len();
+        let craters = craters(graphics).to_vec();
         let of = LineOf { camera, size, picture, scale, ends: reading.ends.clone(), craters };
         if reading.line_of.as_ref() != Some(&of) {
+            if reading.line_of.as_ref().is_some_and(|before| before.craters != of.craters) {
+                reading.renew(&survey);
+            }
             reading.line = line(map, &of);
             reading.line_of = Some(of);
         }
@@ -382,7 +401,7 @@ mod tests {
         let size = map.box_size(Some(0.25));
         let camera = Camera { eye: DVec3::new(0.5, 0.1, 1.5), yaw: 0.0, pitch: 0.0, fov: 60.0 };
         let ends = vec![[0.5, 1.0], [0.5, 0.0]];
-        let of = LineOf { camera, size, picture: [640, 400], scale: 2.0, ends, craters: 0 };
+        let of = LineOf { camera, size, picture: [640, 400], scale: 2.0, ends, craters: Vec::new() };
         let line = line(&map, &of);
         assert_eq!(line.len(), PIECES + 1);
         // 0.5 ahead and 0.1 below the eye, of 0.577 a half picture: 69 of 200 pixels down, at two pixels a point.

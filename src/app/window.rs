@@ -84,7 +84,7 @@ impl App {
         let window = event_loop.create_window(attributes).map_err(|error| AppError::Window(error.to_string()))?;
         let window = Arc::new(window);
         let graphics = Graphics::new(&window, options.map.clone(), kept.pace.vsync)?;
-        let keeper = Keeper::new(store, kept);
+        let keeper = Keeper::new(store, kept, options.size);
         let mut viewer = Viewer::new(options, window.clone(), &graphics, event_loop, self.proxy.clone(), keeper);
         viewer.tell(&told);
         window.set_visible(true);

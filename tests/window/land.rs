@@ -57,6 +57,20 @@ fn the_cursor_reads_heights_and_two_clicks_measure_the_way() {
     window.key("Escape");
     let ended = window.settled("an end", |status| status["reading"]["measuring"] == false);
     assert!(ended["reading"]["lengths"].is_null() && widget(&ended, "End measuring").is_none());
+    // A way over a crater is measured anew once the crater is taken back.
+    window.point(one.x, one.y);
+    window.key("c");
+    window.settled("a crater", |status| !list(&status["scene"]["craters"]["list"]).is_empty());
+    window.key("m");
+    for (ends, pixel) in [(1, one), (2, other)] {
+        window.point(pixel.x, pixel.y);
+        window.xdo("click 1");
+        window.settled("an end", |status| status["reading"]["ends"] == ends);
+    }
+    let over = window.settled("a way", |status| status["reading"]["lengths"].is_array());
+    window.key("ctrl+z");
+    window.settled("another way", |status| status["reading"]["lengths"][1] != over["reading"]["lengths"][1]);
+    window.key("Escape");
     exaggerated(&mut window);
     window.close();
 }
