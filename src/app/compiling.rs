@@ -198,6 +198,7 @@ fn stand_ins(wanted: &Scene, shown: &Scene) -> [Scene; 3] {
     (near.diffuse.enabled, near.diffuse.source) = (shown.diffuse.enabled, shown.diffuse.source);
     near.materials.clone_from(&shown.materials);
     near.land.clone_from(&shown.land);
+    near.water.clone_from(&shown.water);
     near.skybox.enabled = shown.skybox.enabled;
     near.occluder.enabled = shown.occluder.enabled;
     // Where the craters need pipelines, too, the old ones stay.

@@ -226,6 +226,10 @@ pub(crate) fn compose(args: &SceneArgs) -> Result<Scene, Failure> {
     scene.occluder.enabled |= args.occluder || args.occluder_at.is_some();
     set_some(&mut scene.occluder.position, args.occluder_at);
 
+    if let Some(level) = args.water {
+        level.set(&mut scene.water);
+    }
+
     set(&mut scene.craters.mode, args.crater_mode);
     let craters: Vec<_> = args.craters.iter().map(|spec| spec.complete(&scene.craters)).collect();
     scene.craters.list.extend(craters);

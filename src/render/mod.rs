@@ -39,6 +39,7 @@ mod terrain_key;
 mod terrain_uniform;
 #[cfg(test)]
 mod tests;
+mod water;
 mod wireframe;
 
 use std::sync::Arc;
@@ -53,6 +54,7 @@ pub use error::RenderError;
 pub use heat_map::{COVERS_SKY, ERROR_DECADES, SEE_THROUGH, SKY_BOTH, error_colour, heat_map_colour};
 pub use ledger::{Ledger, TextureEntry};
 pub use probe::Probe;
+pub use water::{LegEnd, WaterPath};
 
 pub(crate) use anchor::Anchor;
 use beam::{Beams, Tiles};
@@ -71,6 +73,7 @@ use pipelines::{PipelineKey, Pipelines};
 use prepare::{Aim, Draw, Passes};
 use skybox::Skybox;
 use terrain::TerrainBindings;
+use water::WaterBindings;
 
 /// Background where there is no skybox, linear light: a pale grey-blue.
 const BACKGROUND: wgpu::Color = wgpu::Color { r: 0.35, g: 0.42, b: 0.5, a: 1.0 };
@@ -95,6 +98,8 @@ pub struct Renderer {
     skybox: Option<Skybox>,
     beams: Option<Beams>,
     light_map: Option<LightMap>,
+    /// There since a sea was drawn.
+    water: Option<WaterBindings>,
     /// Exact distances that a frame of the error view finds itself.
     exact: Option<ExactDistances>,
     /// Exact distances that were given to the error view.
@@ -160,6 +165,7 @@ impl Renderer {
             skybox: None,
             beams: None,
             light_map: None,
+            water: None,
             exact: None,
             reference: None,
             timer: FrameTimer::new(&gpu),
