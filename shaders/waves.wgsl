@@ -20,7 +20,8 @@ struct Water {
     background_and_foam: vec4f,
     // Light on foam; radius of the largest bubbles.
     foam_light_and_bubbles: vec4f,
-    // Shift of the foam's pattern, and of the bubbles upwards; length of the foam's flakes.
+    // Shift of the foam's pattern, and of the bubbles upwards; length of the foam's flakes; radians per world unit of the
+    // longest wave.
     drift: vec4f,
     // Of each wave: radians per world unit along x and z, its slope, its phase now.
     waves: array<vec4f, 12>,
@@ -46,6 +47,11 @@ fn chop_at(p: vec2f, direction: vec3f, width: f32) -> Chop {
     var slope = vec2f(0.0);
     var unseen = 0.0;
     var index = 0u;
+    // Crests of straight waves would make a grid: these are bent by a slow swell, and rise and fall in gusts.
+    let slow = p * (0.19 * water.drift.w);
+    let swell = vec2f(sin(slow.y + 1.3 * sin(0.61 * slow.x)), sin(slow.x + 1.7 * sin(0.53 * slow.y + 2.0)));
+    let place = p + swell * (2.6 / water.drift.w);
+    let gust = 0.75 + 0.25 * sin(0.7 * slow.x + 0.9 * swell.y) * sin(0.45 * slow.y - 0.8 * swell.x);
     while index < WAVES {
         let wave = water.waves[index];
         index += 1u;
@@ -53,10 +59,10 @@ fn chop_at(p: vec2f, direction: vec3f, width: f32) -> Chop {
         // Radians that a pixel covers.
         let covered = vec2f(dot(k, away) * along, (k.y * away.x - k.x * away.y) * width);
         let shown = exp(-0.125 * dot(covered, covered));
-        slope += k * (inverseSqrt(dot(k, k)) * wave.z * shown * cos(dot(k, p) + wave.w));
+        slope += k * (inverseSqrt(dot(k, k)) * wave.z * shown * cos(dot(k, place) + wave.w));
         unseen += 0.5 * wave.z * wave.z * (1.0 - shown * shown);
     }
-    return Chop(slope, unseen);
+    return Chop(slope * gust, unseen * gust * gust);
 }
 #endif
 
@@ -110,7 +116,7 @@ fn bubbles_along(origin: vec3f, direction: vec3f, reach: f32) -> f32 {
     let side = 8.0 * radius;
     let rising = vec3f(0.0, water.drift.y, 0.0);
     var light = 0.0;
-    var way = 6.0 * radius;
+    var way = 16.0 * radius;
     var index = 0u;
     while index < BUBBLE_PLACES {
         index += 1u;
@@ -121,8 +127,8 @@ fn bubbles_along(origin: vec3f, direction: vec3f, reach: f32) -> f32 {
         let q = (p - rising * (0.6 + 0.8 * lift)) / side + vec3f(0.0, lift, 0.0);
         let cell = vec3f(column.x, floor(q.y), column.y);
         let chance = hashed(cell + vec3f(17.0, 0.0, 5.0));
-        let sway = 0.5 + 0.2 * vec2f(cos(6.2831853 * (chance * 7.0 + q.y)), sin(6.2831853 * (chance * 11.0 + q.y)));
-        let centre = vec3f(column.x + sway.x, cell.y + 0.5, column.y + sway.y);
+        let aside = 0.5 + 0.25 * vec2f(cos(chance * 97.0), sin(chance * 97.0));
+        let centre = vec3f(column.x + aside.x, cell.y + 0.5, column.y + aside.y);
         let from_centre = vec3f(p.x / side, q.y, p.z / side) - centre;
         // Nearest that the ray comes to the centre, in radii; a bubble is bright at its rim, and where it mirrors the sun.
         let past = from_centre - direction * dot(from_centre, direction);
@@ -131,9 +137,9 @@ fn bubbles_along(origin: vec3f, direction: vec3f, reach: f32) -> f32 {
         let rim = smoothstep(0.55, 0.9, off) * (1.0 - smoothstep(0.9, 1.0, off));
         let spot = 1.0 - smoothstep(0.0, 0.25, length(past / size - vec3f(-0.35, 0.4, 0.0)));
         let fades = 1.0 - f32(index) / f32(BUBBLE_PLACES + 1u);
-        let is_there = select(0.0, 1.0, chance > 0.6 && way < reach);
+        let is_there = select(0.0, 1.0, chance > 0.75 && way < reach);
         light = max(light, is_there * (0.5 * rim + 0.9 * spot + 0.06 * (1.0 - smoothstep(0.8, 1.0, off))) * fades);
-        way *= 1.35;
+        way *= 1.3;
     }
     return min(light, 1.0);
 }

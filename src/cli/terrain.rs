@@ -317,6 +317,24 @@ mod tests {
     }
 
     #[test]
+    fn a_sea_has_a_level_in_shares_metres_or_its_usual_one() {
+        use crate::scene::LevelUnit;
+
+        let water = |level: &str| compose(&scene_args(&["--water", level])).unwrap().water;
+        for (text, level, unit) in [
+            ("auto", None, LevelUnit::Share),
+            ("0.3", Some(0.3), LevelUnit::Share),
+            ("-12.5m", Some(-12.5), LevelUnit::Metres),
+        ] {
+            let found = water(text);
+            assert_eq!((found.enabled, found.level, found.levels), (true, level, unit), "{text}");
+        }
+        for text in ["", "deep", "nan", "1e9m"] {
+            assert!(Cli::try_parse_from(["relief", "render", "-o", "x.png", "--water", text]).is_err(), "{text}");
+        }
+    }
+
+    #[test]
     fn options_beat_the_scene_file_which_beats_the_defaults() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("scene.toml");

@@ -32,7 +32,7 @@ const BEAMS: u32 = 8;
 /// Waves added up.
 const WAVES: usize = 12;
 /// Each is so much shorter than the one before.
-const SHORTER: f64 = 0.78;
+const SHORTER: f64 = 0.74;
 /// Radians that their directions spread to either side of the wind's.
 const SPREAD: f64 = 1.1;
 /// Direction that the wind blows to, radians from east to south.
@@ -242,7 +242,7 @@ impl WaterBuffer {
                 (water.time * DRIFT) as f32,
                 (water.time * RISE * BUBBLES * length) as f32,
                 (FLAKES * length) as f32,
-                0.0,
+                (std::f64::consts::TAU / length) as f32,
             ],
             waves: waves(water),
         })
