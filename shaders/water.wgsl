@@ -40,6 +40,8 @@
 const INDEX: f32 = 1.333;
 // Light that counts for less than this is not followed.
 const LEAST: f32 = 0.002;
+// Rounding of where a ray comes in, as a share of its length and of the box's size.
+const ROUNDING: f32 = 1e-6;
 // Legs of a ray.
 const LEGS: u32 = 3u;
 // Farther than anything.
@@ -255,14 +257,16 @@ fn fs_main(in: varyings::Varyings) -> Fragment {
     let faces = slabs(eye_ray, vec3f(0.0), vec3f(terrain.size.x, level(), terrain.size.z));
     let into = max(max(faces.enter.x, faces.enter.y), faces.enter.z);
     let end = min(min(faces.leave.x, faces.leave.y), faces.leave.z);
-    // Whether the eye is in the water is known in f64: rounding decides for no pixel alone.
+    // Whether the eye is in the water, or above its level, is known in f64: rounding decides for no pixel alone.
+    let is_above = water.deep_and_submerged.w < 0.0;
     let begin = select(max(into, -frame.ray_start), -frame.ray_start, submerged);
-    if begin > end && !submerged {
+    let direction = eye_ray.direction / length_of_direction;
+    if (begin > end && !submerged) || (is_above && direction.y >= 0.0) {
         discard;
     }
-    let direction = eye_ray.direction / length_of_direction;
     let origin = eye_ray.origin + eye_ray.direction * begin;
-    let from_above = !submerged && faces.enter.y == into && direction.y < 0.0;
+    // Where single precision puts an eye above the surface into the water, the ray comes in through the surface.
+    let from_above = is_above && (faces.enter.y == into || into <= -frame.ray_start);
     let view_depth = frame.ray_start + begin;
     let written = select(min(NEAR / max(view_depth, NEAR), 1.0), 1.0, submerged);
     var leg = Leg(Ray(origin, direction), true, false, vec3f(1.0), view_depth * length_of_direction);
@@ -317,76 +321,76 @@ fn fs_main(in: varyings::Varyings) -> Fragment {
         if index == 2u {
             leg = other;
         }
-        if max(max(leg.weight.x, leg.weight.y), leg.weight.z) < LEAST {
-            continue;
-        }
-        // A leg through water that rises ends at the surface.
-        let to_surface = (level() - leg.ray.origin.y) / max(leg.ray.direction.y, 1.0 / ENDLESS);
-        let rises = leg.in_water && leg.ray.direction.y > 0.0;
-        let most = select(ENDLESS, max(to_surface, 0.0), rises);
-        var met = End(NO_HIT, false, vec3f(0.0));
+        if max(max(leg.weight.x, leg.weight.y), leg.weight.z) >= LEAST {
+            // A leg through water that rises ends at the surface.
+            let to_surface = (level() - leg.ray.origin.y) / max(leg.ray.direction.y, 1.0 / ENDLESS);
+            let rises = leg.in_water && leg.ray.direction.y > 0.0;
+            let most = select(ENDLESS, max(to_surface, 0.0), rises);
+            var met = End(NO_HIT, false, vec3f(0.0));
 #ifdef WATER_REFLECTION
-        met = follow(leg.ray, most);
-#else
-        // A mirror of the sky alone.
-        if !leg.mirrored {
             met = follow(leg.ray, most);
-        }
+#else
+            // A mirror of the sky alone.
+            if !leg.mirrored {
+                met = follow(leg.ray, most);
+            }
 #endif
-        if index == 0u && met.at == 0.0 {
-            // The ground's own cut side, or an eye in the ground.
-            discard;
-        }
-        let side = leg.ray.origin + leg.ray.direction * most;
-        let surfaces = rises && met.at == NO_HIT && all(side.xz >= vec2f(0.0)) && all(side.xz <= terrain.size.xz);
-        let way = select(met.at, most, surfaces);
-        let ends = met.at != NO_HIT || surfaces;
+            let rounding = ROUNDING * (leg.way + max(terrain.size.x, terrain.size.z));
+            if index == 0u && met.at != NO_HIT && met.at <= rounding {
+                // The ground's own cut side, or an eye in the ground.
+                discard;
+            }
+            let side = leg.ray.origin + leg.ray.direction * most;
+            let surfaces = rises && met.at == NO_HIT && all(side.xz >= vec2f(0.0)) && all(side.xz <= terrain.size.xz);
+            let way = select(met.at, most, surfaces);
+            let ends = met.at != NO_HIT || surfaces;
 #ifdef PROBE
-        let length_of_leg = select(-1.0, way, ends);
-        if index == 0u {
-            lengths.x = select(-1.0, leg.way + way, ends);
-        } else if leg.in_water {
-            lengths.z = length_of_leg;
-        } else {
-            lengths.y = length_of_leg;
-        }
+            let length_of_leg = select(-1.0, way, ends);
+            if index == 0u {
+                lengths.x = select(-1.0, leg.way + way, ends);
+            } else if leg.in_water {
+                lengths.z = length_of_leg;
+            } else {
+                lengths.y = length_of_leg;
+            }
 #endif
 #ifdef SHADED
-        if leg.in_water {
-            let left = select(vec3f(0.0), exp(-water.absorption_and_level.xyz * max(way, 0.0)), ends);
-            color += leg.weight * water.deep_and_submerged.xyz * (1.0 - left);
-#ifdef WATER_BUBBLES
-            if submerged && index == 0u {
-                let bubbles = waves::bubbles_along(leg.ray.origin, leg.ray.direction, select(ENDLESS, way, ends));
-                color += bubbles * (0.15 * water.foam_light_and_bubbles.xyz + water.deep_and_submerged.xyz);
-                leg.weight *= 1.0 - 0.5 * bubbles;
-            }
-#endif
-            leg.weight *= left;
-        }
-        if met.at != NO_HIT {
             if leg.in_water {
-                // The sunlight has come through the water above, too.
-                let below = level() - (leg.ray.origin.y + leg.ray.direction.y * met.at);
-                leg.weight *= exp(-water.absorption_and_level.xyz * max(below, 0.0));
-            }
-            color += leg.weight * light_from(met, leg);
-        } else if !leg.in_water {
-            var light = sky_along(leg.ray.direction);
-            if leg.mirrored {
-                light += glint(at_surface, direction) / max(at_surface.share, 0.02);
-            }
-            color += leg.weight * light;
-        }
+                let left = select(vec3f(0.0), exp(-water.absorption_and_level.xyz * max(way, 0.0)), ends);
+                color += leg.weight * water.deep_and_submerged.xyz * (1.0 - left);
+#ifdef WATER_BUBBLES
+                if submerged && index == 0u {
+                    let bubbles = waves::bubbles_along(leg.ray.origin, leg.ray.direction, select(ENDLESS, way, ends));
+                    color += bubbles * (0.15 * water.foam_light_and_bubbles.xyz + water.deep_and_submerged.xyz);
+                    leg.weight *= 1.0 - 0.5 * bubbles;
+                }
 #endif
-        if surfaces {
-            let start = vec3f(side.x, level(), side.z);
-            let arrived = leg.way + most;
-            let split = split_at(start.xz, leg.ray.direction, false, frame.pixel_size * arrived / length_of_direction);
-            other = Leg(Ray(start, split.mirrored), true, true, leg.weight * split.share, arrived);
-            leg = Leg(Ray(start, split.through), false, false, leg.weight * (1.0 - split.share), arrived);
-        } else if index == 0u {
-            break;
+                leg.weight *= left;
+            }
+            if met.at != NO_HIT {
+                if leg.in_water {
+                    // The sunlight has come through the water above, too.
+                    let below = level() - (leg.ray.origin.y + leg.ray.direction.y * met.at);
+                    leg.weight *= exp(-water.absorption_and_level.xyz * max(below, 0.0));
+                }
+                color += leg.weight * light_from(met, leg);
+            } else if !leg.in_water {
+                var light = sky_along(leg.ray.direction);
+                if leg.mirrored {
+                    light += glint(at_surface, direction) / max(at_surface.share, 0.02);
+                }
+                color += leg.weight * light;
+            }
+#endif
+            if surfaces {
+                let start = vec3f(side.x, level(), side.z);
+                let arrived = leg.way + most;
+                let split = split_at(start.xz, leg.ray.direction, false, frame.pixel_size * arrived / length_of_direction);
+                other = Leg(Ray(start, split.mirrored), true, true, leg.weight * split.share, arrived);
+                leg = Leg(Ray(start, split.through), false, false, leg.weight * (1.0 - split.share), arrived);
+            } else if index == 0u {
+                break;
+            }
         }
     }
 #ifdef PROBE

@@ -12,7 +12,7 @@ struct Water {
     cube_sun: vec4f,
     // Of light in the water, per world unit, by channel; height of the sea in the box.
     absorption_and_level: vec4f,
-    // Light that comes back from endless water; 1 where the eye is in the water.
+    // Light that comes back from endless water; 1 where the eye is in the water, −1 where it is above its level, 0 beside it.
     deep_and_submerged: vec4f,
     // Sunlight as the sea mirrors it; flattening of the sky's box.
     sun_and_flattening: vec4f,

@@ -100,7 +100,8 @@ fn agrees(found: LegEnd, wanted: Leg, side: f64) -> bool {
 /// Whether a path found by the GPU is that of the reference. Light of a weight below [`LEAST`] does not count.
 fn is_path(found: Option<WaterPath>, wanted: Option<Path>, side: f64) -> bool {
     let (Some(found), Some(wanted)) = (found, wanted) else { return found.is_none() && wanted.is_none() };
-    let [over, under] = if wanted.begins_in_water { [1.0 - wanted.share, wanted.share] } else { [wanted.share, 1.0 - wanted.share] };
+    let [over, under] =
+        if wanted.begins_in_water { [1.0 - wanted.share, wanted.share] } else { [wanted.share, 1.0 - wanted.share] };
     found.begins_in_water == wanted.begins_in_water
         && agrees(found.first, wanted.first, side)
         && (over < LEAST || agrees(found.air, wanted.air, side))
@@ -152,7 +153,7 @@ fn judge(sea: &Sea<'_>, surface: &Surface<'_>, camera: &Camera, side: f64, found
         if doubtful {
             judged.excused = 1;
         } else {
-            println!("pixel {x},{y}: {found:?}, not {wanted:?}");
+            println!("pixel {x},{y}: {found:?}, not {wanted:?}, around {around:?}");
             judged.wrong = 1;
         }
         judged
@@ -188,15 +189,16 @@ fn light_goes_where_the_reference_says() {
             let found = renderer.probe_water(&scene, SIZE).unwrap();
             let judged = judge(&reference, &surface, &camera, extent.max_element(), &found);
             println!("{name:10} {view:13} {judged:?}");
-            assert_eq!(judged.wrong, 0, "{name}, {view}");
             assert!(judged.excused <= 8, "{name}, {view}: {} excused", judged.excused);
+            all.wrong += judged.wrong;
             all.compared += judged.compared;
             all.split += judged.split;
             all.excused += judged.excused;
         }
     }
     println!("{} pixels of water, {} of them split, {} excused", all.compared, all.split, all.excused);
-    assert!(all.compared > 80_000 && all.split > 40_000);
+    assert_eq!(all.wrong, 0);
+    assert!(all.compared > 60_000 && all.split > 30_000);
 }
 
 /// Off, or below the lowest ground, it is nowhere: not in the picture, and not in the ledger.
@@ -239,11 +241,12 @@ fn every_switch_changes_the_water_alone() {
     let map = islands();
     let extent = map.box_size(None);
     let mut renderer = renderer(&map);
-    let mut base = sea(NamedView::Over.camera(&map, extent), 0.55);
-    base.occluder.enabled = true;
-    base.occluder.position = Some(DVec3::new(0.55, 0.6 * extent.y, 0.45));
-    (base.water.waves, base.water.foam) = (0.4, 0.5);
     let (u, v) = map.lowest_interior();
+    let middle = DVec3::new(u, 0.5, v) * extent;
+    let mut base = sea(Camera::look_at(middle + DVec3::new(0.1, 0.15, 0.25), middle, 60.0), 0.55);
+    base.occluder.enabled = true;
+    base.occluder.position = Some(middle + DVec3::new(0.0, 0.1, -0.1));
+    (base.water.waves, base.water.foam) = (0.4, 0.5);
     let eye = DVec3::new(u, 0.3, v) * extent;
     let under = Camera::look_at(eye, eye + DVec3::new(0.3, 0.03, -0.2), 60.0);
     type Change<'a> = (&'a str, &'a dyn Fn(&mut Scene));
@@ -314,7 +317,11 @@ fn the_surface_has_no_seam() {
         let found = renderer.probe_water(&scene, SIZE).unwrap();
         // Every ray that looks down meets water at once; of those that look up, from below all do, and from above none.
         for (index, path) in found.iter().enumerate() {
-            let ray = scene.camera.unwrap().ray((index as u32 % SIZE[0]) as f64 + 0.5, (index as u32 / SIZE[0]) as f64 + 0.5, SIZE);
+            let ray = scene.camera.unwrap().ray(
+                (index as u32 % SIZE[0]) as f64 + 0.5,
+                (index as u32 / SIZE[0]) as f64 + 0.5,
+                SIZE,
+            );
             if ray.direction.y.abs() > 1e-3 {
                 let wanted = ray.direction.y < 0.0 || over < 0.0;
                 assert_eq!(path.is_some(), wanted, "{over}: pixel {index}, {:?}", ray.direction);

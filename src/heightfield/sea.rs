@@ -71,8 +71,7 @@ impl<'a> Sea<'a> {
             return None;
         }
         let alone = |first| Path { begins_in_water: true, first, air: Leg::None, water: Leg::None, share: 0.0 };
-        let to_surface =
-            if ray.direction.y > 0.0 { (self.level - entry.y) / ray.direction.y } else { f64::INFINITY };
+        let to_surface = if ray.direction.y > 0.0 { (self.level - entry.y) / ray.direction.y } else { f64::INFINITY };
         if let Leg::At(length) = met
             && length <= to_surface
         {

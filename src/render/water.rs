@@ -210,6 +210,11 @@ impl WaterBuffer {
         let Scene { water, lighting, .. } = scene;
         let eye = view.camera.eye;
         let submerged = eye.cmpge(DVec3::ZERO).all() && eye.cmple(block).all() && eye.y < block.y;
+        let place_of_eye = match submerged {
+            true => 1.0,
+            false if eye.y >= block.y => -1.0,
+            false => 0.0,
+        };
         let sun = lighting.sun_direction();
         let [diffuse, _] = direct_weights(lighting);
         // Light on a level surface, and the sun's own.
@@ -234,7 +239,7 @@ impl WaterBuffer {
             cube: [rows.x_axis, rows.y_axis, rows.z_axis].map(|row| row.as_vec4().to_array()),
             cube_sun: with(cube_light.sun, f64::from(cube_light.ambient)),
             absorption_and_level: with(mix(ABSORPTION) / water.clarity, block.y),
-            deep_and_submerged: with(mix(DEEP) * level_light, f64::from(u8::from(submerged))),
+            deep_and_submerged: with(mix(DEEP) * level_light, place_of_eye),
             sun_and_flattening: with(sunlight, f64::from(scene.skybox.flattening)),
             background_and_foam: with(background.into(), f64::from(water.foam) * FOAM_DEPTH * view.extent.y),
             foam_light_and_bubbles: with(level_light * 0.8, BUBBLES * length),

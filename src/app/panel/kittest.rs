@@ -202,6 +202,7 @@ const STATES: [fn(&mut State); 3] = [
         state.scene.materials.coverage = vec!["a.png".into()];
         state.view.paths.coverage = "b.png".into();
         state.scene.lighting.shadows = Shadows::Hard;
+        (state.scene.water.enabled, state.scene.water.level) = (true, Some(0.6));
     },
 ];
 
