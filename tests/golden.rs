@@ -264,7 +264,8 @@ fn water_cases(map: &HeightField, start: &Scene) -> Vec<Case> {
             sea(scene);
             (scene.water.foam, scene.water.waves) = (0.0, 0.0);
             scene.occluder.enabled = true;
-            scene.occluder.position = Some(DVec3::new(0.25, 0.045, 0.43));
+            scene.occluder.size = 0.02;
+            scene.occluder.position = Some(DVec3::new(0.266, 0.036, 0.468));
         }),
         case("water-under", &under, sea),
     ]
