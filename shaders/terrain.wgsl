@@ -23,7 +23,7 @@
 #import relief::march::march
 #endif
 #endif
-#ifdef MEETS
+#ifndef VIEW_POSITION
 #import relief::ground
 #endif
 #ifdef VIEW_STEPS
@@ -161,6 +161,17 @@ fn anchored_hit(ray: Ray, span: Span, beam: vec4f, verticality: f32) -> Hit {
     return march(Segment(ray.origin, ray.direction, end, verticality, begin, beam.g));
 }
 #endif
+
+// What a ray has met at `p`, in the space that its march counts in.
+fn met_at(p: vec3f, at_entry: bool, axis: u32, depth: f32) -> ground::Met {
+#ifdef DEEP_ZOOM
+    let place = anchor::place_at(p.xz, terrain.cells);
+    return ground::Met(anchored_point_in_grid(p), place.cell, place.within, at_entry, axis, depth);
+#else
+    let cell = clamp(floor(p.xz), vec2f(0.0), terrain.cells - 1.0);
+    return ground::Met(p, cell, p.xz - cell, at_entry, axis, depth);
+#endif
+}
 
 @fragment
 fn fs_main(in: varyings::Varyings) -> Fragment {
@@ -312,19 +323,12 @@ fn fs_main(in: varyings::Varyings) -> Fragment {
     let nearness = 1.0 / (1.0 + depth * length_of_direction);
     return Fragment(vec4f(from_srgb(vec3f(nearness)), 1.0), written);
 #endif
-#ifdef MEETS
-#ifdef DEEP_ZOOM
-    let anchored_point = origin + direction * at;
-    let place = anchor::place_at(anchored_point.xz, terrain.cells);
-    let point = anchored_point_in_grid(anchored_point);
-    let met = ground::Met(point, place.cell, place.within, at_entry, span.axis, depth);
-#else
-    let point = origin + direction * at;
-    let cell = clamp(floor(point.xz), vec2f(0.0), terrain.cells - 1.0);
-    let met = ground::Met(point, cell, point.xz - cell, at == 0.0, span.axis, depth);
-#endif
-#endif
 #ifdef VIEW_NORMALS
+#ifdef DEEP_ZOOM
+    let met = met_at(origin + direction * at, at_entry, span.axis, depth);
+#else
+    let met = met_at(origin + direction * at, at == 0.0, span.axis, depth);
+#endif
     var normal = ground::normal_of(met, ray.direction);
 #ifdef HOLES
     let cut = ground::cut_of(met, ray.direction);
@@ -333,6 +337,11 @@ fn fs_main(in: varyings::Varyings) -> Fragment {
     return Fragment(vec4f(from_srgb(0.5 * normal + 0.5), 1.0), written);
 #endif
 #ifdef SHADED
+#ifdef DEEP_ZOOM
+    let met = met_at(origin + direction * at, at_entry, span.axis, depth);
+#else
+    let met = met_at(origin + direction * at, at == 0.0, span.axis, depth);
+#endif
     return Fragment(vec4f(ground::colour(met, ray), 1.0), written);
 #endif
 }

@@ -319,7 +319,6 @@ impl TerrainKey {
             (self.discard_misses, "DISCARD_MISSES"),
             (self.layered, "CRATERS_LAYERED"),
             (shaded, "SHADED"),
-            (shaded || self.output == Output::View(DebugView::Normals), "MEETS"),
             (self.lighting, "LIGHTING"),
             (self.diffuse, "DIFFUSE_TEXTURE"),
             (self.needs_normals(), "SURFACE_NORMAL"),
