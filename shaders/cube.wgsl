@@ -2,6 +2,7 @@
 // transformed on the CPU.
 
 #import relief::frame::{frame, pixel_ray, cube_corner}
+#import relief::cube_faces::{face_normal, face_colour}
 #ifdef SHADOWS
 #import relief::heightfield::terrain
 #import relief::light::light
@@ -48,17 +49,8 @@ fn fs_main(in: Varyings) -> @location(0) vec4f {
     let ray = pixel_ray(in.position.xy);
     return vec4f(in.view_depth * length(ray.direction), 0.0, 0.0, 2.0);
 #else
-    // The face: the axis on which the position is at an end.
-    let centred = 2.0 * in.corner - 1.0;
-    let size = abs(centred);
-    let on_x = size.x >= size.y && size.x >= size.z;
-    let on_y = !on_x && size.y >= size.z;
-    let normal = sign(centred) * vec3f(vec3<bool>(on_x, on_y, !on_x && !on_y));
-    // Six bright colours: warm on the positive side of an axis, cold on the negative one.
-    let warm = normal.x + normal.y + normal.z > 0.0;
-    let color = select(vec3f(0.05, 0.25, 0.9), vec3f(1.0, 0.18, 0.05), warm) * abs(normal.x)
-        + select(vec3f(0.6, 0.05, 0.75), vec3f(1.0, 0.75, 0.05), warm) * abs(normal.y)
-        + select(vec3f(0.05, 0.75, 0.75), vec3f(0.2, 0.85, 0.15), warm) * abs(normal.z);
+    let normal = face_normal(in.corner);
+    let color = face_colour(normal);
     var towards_sun = max(dot(normal, cube.sun), 0.0);
 #ifdef SHADOWS
     if towards_sun > 0.0 {

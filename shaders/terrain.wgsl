@@ -23,20 +23,8 @@
 #import relief::march::march
 #endif
 #endif
-#ifdef SHADED
-#import relief::shading
-#endif
-#ifdef MATERIALS
-#import relief::materials
-#endif
-#ifdef VIEW_NORMALS
-#import relief::shading
-#endif
-#ifdef LAND
-#import relief::land
-#endif
-#ifdef SHADOWS
-#import relief::shadow
+#ifndef VIEW_POSITION
+#import relief::ground
 #endif
 #ifdef VIEW_STEPS
 #import relief::heat_map::heat_map
@@ -173,6 +161,17 @@ fn anchored_hit(ray: Ray, span: Span, beam: vec4f, verticality: f32) -> Hit {
     return march(Segment(ray.origin, ray.direction, end, verticality, begin, beam.g));
 }
 #endif
+
+// What a ray has met at `p`, in the space that its march counts in.
+fn met_at(p: vec3f, at_entry: bool, axis: u32, depth: f32) -> ground::Met {
+#ifdef DEEP_ZOOM
+    let place = anchor::place_at(p.xz, terrain.cells);
+    return ground::Met(anchored_point_in_grid(p), place.cell, place.within, at_entry, axis, depth);
+#else
+    let cell = clamp(floor(p.xz), vec2f(0.0), terrain.cells - 1.0);
+    return ground::Met(p, cell, p.xz - cell, at_entry, axis, depth);
+#endif
+}
 
 @fragment
 fn fs_main(in: varyings::Varyings) -> Fragment {
@@ -325,161 +324,26 @@ fn fs_main(in: varyings::Varyings) -> Fragment {
     return Fragment(vec4f(from_srgb(vec3f(nearness)), 1.0), written);
 #endif
 #ifdef VIEW_NORMALS
-    let p = origin + direction * at;
 #ifdef DEEP_ZOOM
-    let facing = surface_normal(at_entry, span.axis, anchor::place_at(p.xz, terrain.cells), ray.direction);
+    let met = met_at(origin + direction * at, at_entry, span.axis, depth);
 #else
-    let facing = surface_normal(at == 0.0, span.axis, p.xz, ray.direction);
+    let met = met_at(origin + direction * at, at == 0.0, span.axis, depth);
 #endif
+    var normal = ground::normal_of(met, ray.direction);
 #ifdef HOLES
-#ifdef DEEP_ZOOM
-    let cut = select(shading::cut_axis(anchored_point_in_grid(p), ray.direction), 3u, at_entry);
-#else
-    let cut = select(shading::cut_axis(p, ray.direction), 3u, at == 0.0);
+    let cut = ground::cut_of(met, ray.direction);
+    normal = select(normal, ground::normal_across(cut, ray.direction), cut != 3u);
 #endif
-    let turned = select(facing, normal_across(cut, ray.direction), cut != 3u);
-    return Fragment(vec4f(from_srgb(0.5 * turned + 0.5), 1.0), written);
-#else
-    return Fragment(vec4f(from_srgb(0.5 * facing + 0.5), 1.0), written);
-#endif
+    return Fragment(vec4f(from_srgb(0.5 * normal + 0.5), 1.0), written);
 #endif
 #ifdef SHADED
 #ifdef DEEP_ZOOM
-    let anchored_point = origin + direction * at;
-    let place = anchor::place_at(anchored_point.xz, terrain.cells);
-    // For colours, which a sampler's filter blends in 256 steps, f32 is fine enough from the map's corner, too.
-    let point = anchored_point_in_grid(anchored_point);
-    var wall = at_entry && (span.axis != 1u || ray.direction.y > 0.0);
+    let met = met_at(origin + direction * at, at_entry, span.axis, depth);
 #else
-    let point = origin + direction * at;
-    // A hit where the ray comes in is the cut side of the box, unless it came in through the lid.
-    var wall = at == 0.0 && (span.axis != 1u || ray.direction.y > 0.0);
+    let met = met_at(origin + direction * at, at == 0.0, span.axis, depth);
 #endif
-#ifdef HOLES
-    // Where a ray comes in it meets the box's side or floor, whatever is near.
-#ifdef DEEP_ZOOM
-    let cut = select(shading::cut_axis(point, ray.direction), 3u, at_entry);
-#else
-    let cut = select(shading::cut_axis(point, ray.direction), 3u, at == 0.0);
-#endif
-    wall = wall || cut != 3u;
-#endif
-    var albedo: vec3f;
-#ifdef MATERIALS
-    albedo = shading::wall_albedo(point.y);
-#else
-    if wall {
-        albedo = shading::wall_albedo(point.y);
-    } else {
-        albedo = shading::ground_albedo(point.xz, depth);
-    }
-#endif
-#ifdef SHADING_NORMAL
-#ifdef DEEP_ZOOM
-    var normal = surface_normal(at_entry, span.axis, place, ray.direction);
-#else
-    var normal = surface_normal(at == 0.0, span.axis, point.xz, ray.direction);
-#endif
-#ifdef HOLES
-    normal = select(normal, normal_across(cut, ray.direction), cut != 3u);
-#endif
-#endif
-#ifdef MATERIALS
-    if !wall {
-        let ground = materials::ground(point, normal, depth, ray.direction);
-        albedo = ground.albedo;
-        normal = ground.normal;
-    }
-#endif
-#ifdef LAND
-#ifdef DEEP_ZOOM
-    let land_place = land::Place(place.cell, place.within);
-#else
-    let land_place = land::place_at(point.xz);
-#endif
-    if !wall {
-        albedo = land::albedo_of(albedo, land_place, depth);
-    }
-    let unlit = albedo;
-#endif
-#ifdef LIGHTING
-#ifdef LIGHT_MAP
-    shading::read_light_map(point.xz);
-    if wall {
-        // The map is that of the ground. Beside the box there is nothing.
-#ifdef BAKED_SHADOWS
-        shading::sunlight = 1.0;
-#endif
-#ifdef OCCLUSION
-        shading::sky_share = 1.0;
-#endif
-    }
-#endif
-#ifdef SHADOWS
-    // What is turned away from the sun needs no walk to it.
-    shading::sunlight = 0.0;
-    if shading::facing_sun(normal) > 0.0 {
-#ifdef DEEP_ZOOM
-        var lit_place = shadow::Place(place.cell, place.within, point.y);
-#else
-        let lit_cell = clamp(floor(point.xz), vec2f(0.0), terrain.cells - 1.0);
-        var lit_place = shadow::Place(lit_cell, point.xz - lit_cell, point.y);
-#endif
-#ifdef HOLES
-        let cut_wall = cut != 3u;
-        if cut_wall {
-            // The light comes over the hole, not through the ground behind the wall.
-            let open = clamp(floor(point.xz + 0.5 * normal.xz), vec2f(0.0), terrain.cells - 1.0);
-            lit_place = shadow::Place(open, point.xz - open, point.y);
-        }
-#else
-        let cut_wall = false;
-#endif
-        if !wall {
-            lit_place = shadow::place_on_ground(lit_place.cell, lit_place.within);
-        }
-        // Beside the box's own sides there is nothing.
-        shading::sunlight = shadow::sunlight(lit_place, !wall || cut_wall);
-    }
-#endif
-    albedo = shading::lit(albedo, normal, ray.direction * (-1.0 / length_of_direction));
-#endif
-#ifdef LAND_CONTOURS
-    if !wall {
-        albedo = land::with_contours(albedo, unlit, land_place, ray, depth);
-    }
-#endif
-    return Fragment(vec4f(albedo, 1.0), written);
+    return Fragment(vec4f(ground::colour(met, ray), 1.0), written);
 #endif
 }
-
-#ifdef SURFACE_NORMAL
-// Normal of a side across `axis`, 0 to 2, that a ray of this direction meets.
-fn normal_across(axis: u32, direction: vec3f) -> vec3f {
-    var normal = vec3f(0.0);
-    normal[min(axis, 2u)] = -sign(direction[min(axis, 2u)]);
-    return normal;
-}
-
-// Normal of what was hit: the face for a hit at the box's side or floor, the ground's otherwise.
-#ifdef DEEP_ZOOM
-fn surface_normal(at_entry: bool, axis: u32, p: anchor::Place, direction: vec3f) -> vec3f {
-#else
-fn surface_normal(at_entry: bool, axis: u32, p: vec2f, direction: vec3f) -> vec3f {
-#endif
-    if at_entry && axis == 3u {
-        // The eye is in the ground.
-        return -normalize(direction);
-    }
-    if at_entry && (axis != 1u || direction.y > 0.0) {
-        return normal_across(axis, direction);
-    }
-#ifdef DEEP_ZOOM
-    return shading::normal_in_cell(p.cell, p.within);
-#else
-    return shading::ground_normal(p);
-#endif
-}
-#endif
 
 #endif

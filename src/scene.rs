@@ -8,6 +8,7 @@ pub mod light;
 mod materials;
 pub mod ramp;
 pub mod sun;
+mod water;
 
 use std::path::PathBuf;
 
@@ -21,6 +22,8 @@ use sun::SunPlace;
 
 pub use land::{GroundColour, Hillshade, LandSettings};
 pub use ramp::Ramp;
+
+pub use water::Water;
 
 pub use materials::{ColourSource, LevelUnit, MOST_COVERAGE_MAPS, Material, MaterialSettings};
 
@@ -53,6 +56,8 @@ pub struct Scene {
     pub debug: DebugSettings,
     /// Craters, oldest first, and how they deform the ground.
     pub craters: CraterSettings,
+    /// The sea.
+    pub water: Water,
 }
 
 /// The height map and its proportion.

@@ -166,8 +166,8 @@ fn nearest(word: &str, candidates: &[String]) -> Option<String> {
 /// # Errors
 /// The first field that is not, with its range.
 pub fn validate(scene: &Scene) -> Result<(), OutOfRange> {
-    let Scene { terrain, camera, march, compare, diffuse, land, materials, lighting, skybox, occluder, debug, craters } =
-        scene;
+    let Scene { terrain, camera, march, compare, diffuse, land, materials, .. } = scene;
+    let Scene { lighting, skybox, occluder, debug, craters, water, .. } = scene;
     if let Some(scale) = terrain.height_scale {
         check("terrain.height_scale", scale, HEIGHT_SCALES)?;
     }
@@ -189,6 +189,7 @@ pub fn validate(scene: &Scene) -> Result<(), OutOfRange> {
     check("diffuse.repeats", diffuse.repeats, SMALLEST..=4096.0)?;
     land::validate(land)?;
     materials.validate()?;
+    water.validate()?;
     check("lighting.sun_azimuth", lighting.sun_azimuth, -ANGLE..=ANGLE)?;
     check("lighting.sun_elevation", lighting.sun_elevation, -90.0..=90.0)?;
     check("lighting.ambient", lighting.ambient, 0.0..=100.0)?;

@@ -247,6 +247,30 @@ fn thing_cases(map: &HeightField, start: &Scene) -> Vec<Case> {
     ]
 }
 
+fn water_cases(map: &HeightField, start: &Scene) -> Vec<Case> {
+    let shore = scene_from(map, [0.29, 0.68, 0.53], [0.25, 0.34, 0.43], 45.0);
+    let under = scene_from(map, [0.27, 0.30, 0.45], [0.22, 0.36, 0.36], 70.0);
+    let sea = |scene: &mut Scene| {
+        scene.water.enabled = true;
+        scene.water.level = Some(0.45);
+    };
+    vec![
+        case("water", start, sea),
+        case("water-shore", &shore, |scene| {
+            sea(scene);
+            (scene.water.foam, scene.water.wave_length) = (0.8, 0.006);
+        }),
+        case("water-mirror", &shore, |scene| {
+            sea(scene);
+            (scene.water.foam, scene.water.waves) = (0.0, 0.0);
+            scene.occluder.enabled = true;
+            scene.occluder.size = 0.02;
+            scene.occluder.position = Some(DVec3::new(0.266, 0.036, 0.468));
+        }),
+        case("water-under", &under, sea),
+    ]
+}
+
 fn cases(map: &HeightField) -> Vec<Case> {
     let start = scene_at(NamedView::Start, map);
     march_cases(map, &start)
@@ -254,6 +278,7 @@ fn cases(map: &HeightField) -> Vec<Case> {
         .chain(colour_cases(map, &start))
         .chain(thing_cases(map, &start))
         .chain(land_cases(map, &start))
+        .chain(water_cases(map, &start))
         .collect()
 }
 

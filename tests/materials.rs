@@ -217,6 +217,7 @@ fn everything_together_is_drawn() {
         scene.lighting.shadows = Shadows::Hard;
         scene.skybox.model = SkyModel::Physical;
         (scene.land.contours, scene.occluder.enabled) = (true, true);
+        scene.water.enabled = true;
         if let Some(camera) = scene.camera.as_mut().filter(|_| deep) {
             camera.fov = 1e-4;
         }
@@ -226,6 +227,7 @@ fn everything_together_is_drawn() {
             assert!(defs.iter().any(|own| own == def), "{def} is not in {defs:?}");
         }
         assert_eq!(defs.iter().any(|def| def == "DEEP_ZOOM"), deep);
+        assert_eq!(renderer.ledger().passes.iter().any(|pass| pass == "water"), !deep);
         let picture = target.read_color(&gpu()).unwrap();
         // A deep zoom may show a single colour.
         assert!(deep || picture.pixels().any(|pixel| pixel != picture.get_pixel(0, 0)), "it shows something");

@@ -87,6 +87,12 @@ impl Viewer {
                 let name = lighting.shadows.name();
                 self.show_hint(format!("Shadows: {name}"), now);
             }
+            Action::Water => {
+                let water = &mut self.scene.water;
+                water.enabled = !water.enabled;
+                let state = if water.enabled { "on" } else { "off" };
+                self.show_hint(format!("Water: {state}"), now);
+            }
             Action::ExaggerateLess => self.step_exaggeration(graphics, false, now),
             Action::ExaggerateMore => self.step_exaggeration(graphics, true, now),
             Action::Probe => self.view.reading.probe = !self.view.reading.probe,

@@ -16,6 +16,7 @@ pub(crate) enum Action {
     RemoveKeyFrame,
     PlayPath,
     Shadows,
+    Water,
     ExaggerateLess,
     ExaggerateMore,
     Probe,
@@ -64,7 +65,7 @@ const fn always(action: Action, name: &'static str, default: &'static str, does:
 }
 
 /// All actions.
-pub(crate) const ACTIONS: [Entry; 35] = [
+pub(crate) const ACTIONS: [Entry; 36] = [
     row(Action::Forward, "forward", "W", "fly forward"),
     row(Action::Back, "back", "S", "fly back"),
     row(Action::Left, "left", "A", "fly left"),
@@ -78,6 +79,7 @@ pub(crate) const ACTIONS: [Entry; 35] = [
     row(Action::RemoveKeyFrame, "remove-key-frame", "Shift+K", "remove the path's last key frame"),
     row(Action::PlayPath, "play-path", "Space", "play the camera path, or stop it"),
     row(Action::Shadows, "shadows", "L", "shadows: off, hard, soft"),
+    row(Action::Water, "water", "O", "water: a sea, or none"),
     row(
         Action::ExaggerateLess,
         "exaggerate-less",

@@ -203,6 +203,7 @@ fn stand_ins(wanted: &Scene, shown: &Scene) -> [Scene; 3] {
     (near.diffuse.enabled, near.diffuse.source) = (shown.diffuse.enabled, shown.diffuse.source);
     near.materials.clone_from(&shown.materials);
     near.land.clone_from(&shown.land);
+    near.water.clone_from(&shown.water);
     near.skybox.enabled = shown.skybox.enabled;
     near.skybox.faces.clone_from(&shown.skybox.faces);
     near.diffuse.file.clone_from(&shown.diffuse.file);

@@ -129,6 +129,13 @@ impl Viewer {
         } else {
             None
         };
+        self.flowed = if self.flows() {
+            let passed = now.saturating_duration_since(self.flowed.unwrap_or(now)).min(LONGEST_SPIN);
+            self.scene.water.run(passed.as_secs_f64());
+            Some(now)
+        } else {
+            None
+        };
     }
 
     /// The terrain with the craters of the last picture.
@@ -317,7 +324,8 @@ impl Viewer {
                     self.last_good = Some(self.scene.clone());
                 }
                 self.shown = Some(visible.clone());
-                self.occluder_seen = graphics.renderer.ledger().passes.iter().any(|pass| pass == "occluder");
+                let shown = |name: &str| graphics.renderer.ledger().passes.iter().any(|pass| pass == name);
+                (self.occluder_seen, self.water_seen) = (shown("occluder"), shown("water"));
                 let subject = Subject::of(&visible, graphics.renderer.ledger(), graphics.target.size());
                 self.meter.scene_was_drawn(subject, now);
                 self.drawn = Some(visible);

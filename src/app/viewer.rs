@@ -117,6 +117,10 @@ pub(crate) struct Viewer {
     pub(super) prepared: bool,
     /// The last picture had the occluder in it.
     pub(super) occluder_seen: bool,
+    /// Whether the last picture showed water.
+    pub(super) water_seen: bool,
+    /// When the water last moved.
+    pub(super) flowed: Option<Instant>,
     /// The last time that the clock went on, while it runs.
     pub(super) ran: Option<Instant>,
     /// The last turn of the occluder, while it spins.
@@ -208,6 +212,8 @@ impl Viewer {
             last_good: None,
             prepared: false,
             occluder_seen: false,
+            water_seen: false,
+            flowed: None,
             ran: None,
             spun: None,
             covered: false,
@@ -313,7 +319,7 @@ impl Viewer {
 
     /// Whether every frame shows another picture than the last.
     pub(super) fn moves(&self) -> bool {
-        self.fly.is_moving() || self.journey.is_under_way() || self.spins() || self.sun_moves()
+        self.fly.is_moving() || self.journey.is_under_way() || self.spins() || self.sun_moves() || self.flows()
     }
 
     /// Whether the clock runs where something of the picture follows the sun.
@@ -330,6 +336,11 @@ impl Viewer {
     /// Whether the occluder turns. It rests while it is out of view: nobody would see it, and no frame is drawn.
     pub(super) fn spins(&self) -> bool {
         self.scene.occluder.enabled && self.scene.occluder.spin != 0.0 && self.occluder_seen
+    }
+
+    /// Whether the water moves: it rests while it is out of view, and for who wants less motion.
+    pub(super) fn flows(&self) -> bool {
+        self.scene.water.runs() && self.water_seen && !self.reduces_motion()
     }
 
     /// The last measurement of steps per ray, while they are measured.
@@ -461,6 +472,11 @@ impl Viewer {
             *materials = MaterialSettings { coverage: std::mem::take(&mut materials.coverage), ..Default::default() };
             self.toasts.info("The map knows no metres: the materials' levels are shares of its height again.", now);
         }
+        let water = &mut self.scene.water;
+        if self.map.extent_metres().is_none() && water.levels == LevelUnit::Metres {
+            (water.level, water.levels) = (None, LevelUnit::Share);
+            self.toasts.info("The map knows no metres: the sea has its usual level again.", now);
+        }
     }
 
     fn reload_shaders(&mut self, graphics: &mut Graphics, now: Instant) -> Result<(), FrameError> {
@@ -566,7 +582,7 @@ pub(super) fn visible_part(scene: &Scene) -> Scene {
     let CraterSettings { radius, depth, rim, .. } = CraterSettings::default();
     let mut scene = scene.clone();
     (scene.craters.radius, scene.craters.depth, scene.craters.rim) = (radius, depth, rim);
-    scene.occluder.spin = 0.0;
+    (scene.occluder.spin, scene.water.moving) = (0.0, false);
     // A clock that runs makes a coarser sky than one that stands.
     if !scene.lighting.clock.enabled {
         scene.lighting.clock.speed = 0.0;
@@ -579,7 +595,7 @@ pub(super) fn scene_of_picture(visible: &Scene, scene: &Scene) -> Scene {
     let mut shown = visible.clone();
     let CraterSettings { radius, depth, rim, .. } = scene.craters;
     (shown.craters.radius, shown.craters.depth, shown.craters.rim) = (radius, depth, rim);
-    shown.occluder.spin = scene.occluder.spin;
+    (shown.occluder.spin, shown.water.moving) = (scene.occluder.spin, scene.water.moving);
     shown.lighting.clock.speed = scene.lighting.clock.speed;
     shown
 }
@@ -613,7 +629,7 @@ mod tests {
     fn the_brush_is_no_part_of_the_picture() {
         let mut scene = Scene::default();
         scene.craters.radius = 0.2;
-        scene.occluder.spin = 5.0;
+        (scene.occluder.spin, scene.water.moving) = (5.0, true);
         assert_eq!(visible_part(&scene), visible_part(&Scene::default()));
         assert_eq!(scene_of_picture(&visible_part(&Scene::default()), &scene), scene);
         scene.craters.list.push(scene.craters.brush_at(0.5, 0.5));

@@ -413,6 +413,10 @@ pub(crate) struct SceneArgs {
     #[arg(long, value_name = "X,Y,Z", value_parser = parse::point, allow_hyphen_values = true, help_heading = "Looks")]
     pub(crate) occluder_at: Option<DVec3>,
 
+    /// A sea up to LEVEL: a share of the map's height (0.3), metres (120m), or `auto`: 0 m where the map has it, else a third
+    #[arg(long, value_name = "LEVEL", value_parser = parse::water, allow_hyphen_values = true, help_heading = "Looks")]
+    pub(crate) water: Option<parse::WaterLevel>,
+
     /// A crater at x,z (world units) with radius (world units), depth and rim (shares of the terrain's height); repeatable
     #[arg(long = "crater", value_name = "X,Z[,RADIUS[,DEPTH[,RIM]]]", value_parser = parse::crater,
         allow_hyphen_values = true, help_heading = "Craters")]

@@ -8,7 +8,7 @@ use glam::DVec3;
 
 use crate::heightfield::{Crater, HEIGHT_SCALES};
 use crate::scene::light::Clock;
-use crate::scene::{CompareSettings, CraterSettings, Technique};
+use crate::scene::{CompareSettings, CraterSettings, LevelUnit, Technique, Water};
 use crate::scene_file::{FARTHEST, FIELDS_OF_VIEW, MOST_HALVINGS, MOST_SAMPLES, SMALLEST, readable};
 
 /// A crater as far as the command line gives it: the brush of the scene fills in the rest.
@@ -146,6 +146,34 @@ pub(crate) fn sun(text: &str) -> Result<[f32; 2], String> {
         &[azimuth, elevation] if azimuth.abs() <= 360.0 && elevation.abs() <= 90.0 => Ok([azimuth, elevation]),
         &[_, _] => Err(String::from("the azimuth is within -360 and 360 degrees, the elevation within -90 and 90")),
         other => Err(format!("expected two numbers azimuth,elevation, found {}", other.len())),
+    }
+}
+
+/// Where the sea stands: a number and what it counts in, or wherever it usually does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct WaterLevel(Option<(f32, LevelUnit)>);
+
+impl WaterLevel {
+    /// Makes a sea of it.
+    pub(crate) fn set(self, water: &mut Water) {
+        water.enabled = true;
+        (water.level, water.levels) = match self.0 {
+            Some((level, unit)) => (Some(level), unit),
+            None => (None, LevelUnit::default()),
+        };
+    }
+}
+
+/// `auto`, a share of the map's height, or metres: `120m`.
+pub(crate) fn water(text: &str) -> Result<WaterLevel, String> {
+    if text == "auto" {
+        return Ok(WaterLevel(None));
+    }
+    let (number, unit) =
+        text.strip_suffix('m').map_or((text, LevelUnit::Share), |metres| (metres.trim_end(), LevelUnit::Metres));
+    match number.parse::<f32>() {
+        Ok(level) if level.abs() <= 1e6 => Ok(WaterLevel(Some((level, unit)))),
+        _ => Err(format!("`{text}` is no level; write a share of the map's height (0.3), metres (120m), or auto")),
     }
 }
 

@@ -226,6 +226,10 @@ pub(crate) fn compose(args: &SceneArgs) -> Result<Scene, Failure> {
     scene.occluder.enabled |= args.occluder || args.occluder_at.is_some();
     set_some(&mut scene.occluder.position, args.occluder_at);
 
+    if let Some(level) = args.water {
+        level.set(&mut scene.water);
+    }
+
     set(&mut scene.craters.mode, args.crater_mode);
     let craters: Vec<_> = args.craters.iter().map(|spec| spec.complete(&scene.craters)).collect();
     scene.craters.list.extend(craters);
@@ -309,6 +313,24 @@ mod tests {
         match Cli::try_parse_from(all).unwrap().command {
             Some(Command::Render(render)) => render.scene,
             other => panic!("not render: {other:?}"),
+        }
+    }
+
+    #[test]
+    fn a_sea_has_a_level_in_shares_metres_or_its_usual_one() {
+        use crate::scene::LevelUnit;
+
+        let water = |level: &str| compose(&scene_args(&["--water", level])).unwrap().water;
+        for (text, level, unit) in [
+            ("auto", None, LevelUnit::Share),
+            ("0.3", Some(0.3), LevelUnit::Share),
+            ("-12.5m", Some(-12.5), LevelUnit::Metres),
+        ] {
+            let found = water(text);
+            assert_eq!((found.enabled, found.level, found.levels), (true, level, unit), "{text}");
+        }
+        for text in ["", "deep", "nan", "1e9m"] {
+            assert!(Cli::try_parse_from(["relief", "render", "-o", "x.png", "--water", text]).is_err(), "{text}");
         }
     }
 

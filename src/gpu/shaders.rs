@@ -21,7 +21,9 @@ const EMBEDDED: &[(&str, &str)] = embed![
     "beam.wgsl",
     "cones.wgsl",
     "cube.wgsl",
+    "cube_faces.wgsl",
     "frame.wgsl",
+    "ground.wgsl",
     "heightfield.wgsl",
     "land.wgsl",
     "light.wgsl",
@@ -44,6 +46,8 @@ const EMBEDDED: &[(&str, &str)] = embed![
     "srgb.wgsl",
     "terrain.wgsl",
     "varyings.wgsl",
+    "water.wgsl",
+    "waves.wgsl",
 ];
 
 /// A shader that does not compose or does not validate, with the place in the source.

@@ -19,6 +19,7 @@ mod provenance;
 mod pyramid;
 pub mod reference;
 pub mod save;
+pub mod sea;
 mod shadow;
 mod sidecar;
 pub mod smooth;

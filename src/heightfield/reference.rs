@@ -167,17 +167,17 @@ impl<'a> Surface<'a> {
 }
 
 /// The part of a ray in the box.
-struct Span {
+pub(super) struct Span {
     /// Where it begins; 0 for an origin inside.
-    enter: f64,
+    pub(super) enter: f64,
     exit: f64,
     /// Axis and coordinate of the face it enters through; absent for an origin inside.
-    face: Option<(usize, f64)>,
+    pub(super) face: Option<(usize, f64)>,
     leaves_through_floor: bool,
 }
 
 /// Clips a ray to the box from the origin to `size`.
-fn clip(ray: &Ray, size: DVec3) -> Option<Span> {
+pub(super) fn clip(ray: &Ray, size: DVec3) -> Option<Span> {
     let mut span = Span { enter: 0.0, exit: f64::INFINITY, face: None, leaves_through_floor: false };
     for axis in 0..3 {
         let (origin, direction, side) = (ray.origin[axis], ray.direction[axis], size[axis]);

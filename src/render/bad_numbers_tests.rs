@@ -18,7 +18,7 @@ use crate::scene::light::{Clock, Shadows, SkyModel};
 use crate::scene::{
     ColourSource, CompareSettings, CraterMode, CraterSettings, DebugSettings, DebugView, DiffuseSettings, GroundColour,
     HeightFilter, Hillshade, LandSettings, LevelUnit, LightingSettings, MarchSettings, MaterialSettings,
-    OccluderSettings, Ramp, Scene, SkyboxSettings, Technique, TerrainSettings,
+    OccluderSettings, Ramp, Scene, SkyboxSettings, Technique, TerrainSettings, Water,
 };
 use crate::scene_file;
 
@@ -112,6 +112,21 @@ fn full_scene() -> Scene {
             depth: 0.35,
             rim: 0.08,
             list: vec![Crater { x: 0.4, z: 0.6, radius: 0.1, depth: 0.3, rim: 0.1 }],
+        },
+        water: Water {
+            enabled: true,
+            level: Some(0.4),
+            levels: LevelUnit::Share,
+            reflection: true,
+            refraction: true,
+            clarity: 0.05,
+            tint: 0.3,
+            waves: 0.3,
+            wave_length: 0.02,
+            foam: 0.5,
+            bubbles: true,
+            moving: true,
+            time: 3.0,
         },
     }
 }

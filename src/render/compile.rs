@@ -53,7 +53,12 @@ impl Compilation {
         let wanted = self.keys.iter().take_while(|_| go_on());
         let built = wanted.map(|&key| {
             // Made here, so that the frame that first shows them does not.
-            if matches!(key, PipelineKey::Terrain(key) if key.materials.on) {
+            let ground = match key {
+                PipelineKey::Terrain(key) => Some(key),
+                PipelineKey::Water(key) => Some(key.ground),
+                _ => None,
+            };
+            if ground.is_some_and(|key| key.materials.on) {
                 materials::make_ready();
             }
             let built = build(&self.gpu, &self.sources, &self.frame.layout, key.describe())?;

@@ -40,6 +40,7 @@ mod terrain_key;
 mod terrain_uniform;
 #[cfg(test)]
 mod tests;
+mod water;
 mod wireframe;
 
 use std::sync::Arc;
@@ -54,6 +55,7 @@ pub use error::RenderError;
 pub use heat_map::{COVERS_SKY, ERROR_DECADES, SEE_THROUGH, SKY_BOTH, error_colour, heat_map_colour};
 pub use ledger::{Ledger, TextureEntry};
 pub use probe::Probe;
+pub use water::{LegEnd, WaterPath};
 
 pub(crate) use anchor::Anchor;
 use beam::{Beams, Tiles};
@@ -73,6 +75,7 @@ use pipelines::{PipelineKey, Pipelines};
 use prepare::{Aim, Draw, Passes};
 use skybox::Skybox;
 use terrain::TerrainBindings;
+use water::WaterBindings;
 
 /// Background where there is no skybox, linear light: a pale grey-blue.
 const BACKGROUND: wgpu::Color = wgpu::Color { r: 0.35, g: 0.42, b: 0.5, a: 1.0 };
@@ -103,6 +106,8 @@ pub struct Renderer {
     bake_budget: Option<u32>,
     /// How much of it was drawn after the last picture, where not all was.
     baking: Option<f32>,
+    /// There since a sea was drawn.
+    water: Option<WaterBindings>,
     /// Exact distances that a frame of the error view finds itself.
     exact: Option<ExactDistances>,
     /// Exact distances that were given to the error view.
@@ -171,6 +176,7 @@ impl Renderer {
             light_map: None,
             bake_budget: None,
             baking: None,
+            water: None,
             exact: None,
             reference: None,
             timer: FrameTimer::new(&gpu),

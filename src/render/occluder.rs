@@ -54,6 +54,7 @@ const CUBE_BESIDE_TERRAIN: u32 = 21;
 
 pub(super) fn describe(key: OccluderKey) -> PassDescription {
     let plain = PassDescription {
+        modules: vec!["frame.wgsl", "cube_faces.wgsl"],
         bindings: bindings(),
         cull: Some(wgpu::Face::Back),
         ..PassDescription::scene(if key.probe { "occluder (probe)" } else { "occluder" }, "cube.wgsl", key.probe)
@@ -85,7 +86,7 @@ pub(super) fn describe(key: OccluderKey) -> PassDescription {
     .collect();
     PassDescription {
         name: format!("occluder [{}]", defs.join(" ")),
-        modules: vec!["frame.wgsl", "heightfield.wgsl", "pyramid.wgsl", "light.wgsl", "shadow.wgsl"],
+        modules: vec!["frame.wgsl", "cube_faces.wgsl", "heightfield.wgsl", "pyramid.wgsl", "light.wgsl", "shadow.wgsl"],
         defs,
         bindings,
         ..plain

@@ -11,7 +11,8 @@ use super::frame::FrameLayouts;
 use super::light_map::LightMapKey;
 use super::occluder::OccluderKey;
 use super::terrain::TerrainKey;
-use super::{beam, heat_map, light, light_map, occluder, present, skybox, terrain, wireframe};
+use super::water::WaterKey;
+use super::{beam, heat_map, light, light_map, occluder, present, skybox, terrain, water, wireframe};
 
 /// Which pipeline: everything that decides what is compiled into it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -19,6 +20,7 @@ pub(super) enum PipelineKey {
     /// With whether it counts texel reads.
     Beam(Tiles, bool),
     Terrain(TerrainKey),
+    Water(WaterKey),
     Wireframe,
     Occluder(OccluderKey),
     LightMap(LightMapKey),
@@ -31,6 +33,7 @@ impl PipelineKey {
         match self {
             Self::Beam(tiles, counts) => beam::describe(tiles, counts),
             Self::Terrain(key) => terrain::describe(key),
+            Self::Water(key) => water::describe(key),
             Self::Wireframe => wireframe::describe(),
             Self::Occluder(key) => occluder::describe(key),
             Self::LightMap(key) => light_map::describe(key),

@@ -81,7 +81,9 @@ pub(super) struct View {
     /// Corners of the box that is drawn for it.
     box_clip: [DVec4; 8],
     /// Whether its pixels are finer than f32 counts.
-    deep: bool,
+    pub(super) deep: bool,
+    /// Of the picture, in pixels.
+    pub(super) size: [u32; 2],
 }
 
 impl Renderer {
@@ -115,9 +117,13 @@ impl Renderer {
         let beamed = beamed.filter(|(_, key)| key.starts_from_beams()).map(|(area, _)| area).reduce(Area::union);
         let light = if probe { LightKey::default() } else { LightKey::of_picture(scene) };
         let bakes = self.prepare_light(scene, &view, light, probe);
+        let water = if probe { None } else { self.water_key(scene, view.deep, false) };
         if let Some(ground) = &mut self.ground {
-            let walked =
-                terrains.iter().any(|(_, key)| key.needs_pyramid()) || beamed.is_some() || bakes || light.occluder;
+            let walked = terrains.iter().any(|(_, key)| key.needs_pyramid())
+                || beamed.is_some()
+                || bakes
+                || water.is_some()
+                || light.occluder;
             let smooth = terrains.iter().any(|(_, key)| key.is_smooth());
             ground.prepare(&self.gpu, &scene.craters, walked, smooth);
             let kinds: Vec<_> = terrains.iter().filter_map(|(_, key)| key.needs_cones()).collect();
@@ -154,6 +160,9 @@ impl Renderer {
             Some(area) => self.beam_passes(counts)?.map(|passes| (passes, area)),
             None => None,
         };
+        if let Some(key) = water {
+            draws.extend(self.water_draw(scene, &view, whole, key)?);
+        }
         if scene.debug.wireframe && !probe {
             draws.extend(self.wireframe_draw(&view, whole)?);
         }
@@ -272,6 +281,9 @@ impl Renderer {
             if terrain.iter().any(|key| !self.reads(ground, key)) {
                 return None;
             }
+            if !probe {
+                keys.extend(self.water_key(scene, deep, false).map(PipelineKey::Water));
+            }
             if terrain.iter().any(TerrainKey::starts_from_beams) {
                 keys.extend(Tiles::ALL.map(|tiles| PipelineKey::Beam(tiles, false)));
             }
@@ -312,7 +324,7 @@ impl Renderer {
         };
         let box_clip = terrain::drawn_box(&camera, size, extent);
         let deep = self.ground.is_some() && anchor::is_deep_zoom(&camera, size, extent);
-        View { camera, clip_from_world: camera.clip_from_world(size), extent, box_clip, deep }
+        View { camera, clip_from_world: camera.clip_from_world(size), extent, box_clip, deep, size }
     }
 
     fn prepare_drape(&mut self, scene: &Scene, shown: bool) -> Result<(), RenderError> {

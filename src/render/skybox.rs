@@ -12,6 +12,7 @@ use super::ledger::TextureEntry;
 use super::mips::{self, Image};
 use super::pipelines::{Built, PassDescription};
 use super::sky_map::{self, Sky};
+use super::terrain::bind;
 
 pub(super) fn describe() -> PassDescription {
     // Equal to the clear value: what anything covers is not shaded.
@@ -93,14 +94,12 @@ impl Skybox {
     }
 
     pub(super) fn group(&self, gpu: &Gpu, built: &Built) -> wgpu::BindGroup {
-        gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("skybox"),
-            layout: &built.layout,
-            entries: &[
-                wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(&self.view) },
-                wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::Sampler(&self.sampler) },
-            ],
-        })
+        bind(gpu, built, (0..).zip(self.entries()).collect())
+    }
+
+    /// The map and its sampler, for any pass that looks at the sky.
+    pub(super) fn entries(&self) -> [wgpu::BindingResource<'_>; 2] {
+        [wgpu::BindingResource::TextureView(&self.view), wgpu::BindingResource::Sampler(&self.sampler)]
     }
 
     pub(super) fn entry(&self) -> TextureEntry {

@@ -35,10 +35,14 @@ const EXACT_DISTANCES: u32 = 13;
 /// Binding of what deep zooms count from.
 const ANCHOR: u32 = 14;
 
+/// What `ground.wgsl` may import, and itself. The composer wants a module that any def could import; what is not imported is
+/// not composed.
+pub(super) const GROUND_MODULES: [&str; 6] =
+    ["pyramid.wgsl", "shadow.wgsl", "shading.wgsl", "land.wgsl", "materials.wgsl", "ground.wgsl"];
+
 pub(super) fn describe(key: TerrainKey) -> PassDescription {
     let filtered = key.filters_heights();
     let mut bindings = vec![uniform_entry::<TerrainUniform>(0)];
-    // The composer wants a module that any def could import; what is not imported is not composed.
     let mut modules = vec!["frame.wgsl", "heightfield.wgsl", "varyings.wgsl", "light.wgsl", "march/smooth.wgsl"];
     if key.deep {
         modules.push("anchor.wgsl");
@@ -47,28 +51,22 @@ pub(super) fn describe(key: TerrainKey) -> PassDescription {
     if key.reads_heights() {
         bindings.extend([texture_entry(1, filtered, false), corner_sampler_entry(7)]);
     }
-    if key.needs_pyramid() {
-        modules.push("pyramid.wgsl");
-    }
     if key.light.needs_uniform() {
         bindings.push(light::layout_entry());
     }
     if key.light.needs_map() {
         bindings.extend(light_map::layout_entries());
     }
-    if key.light.casts_shadows() {
-        modules.push("shadow.wgsl");
-    }
+    modules.extend(GROUND_MODULES);
     if key.marches() {
         modules.push("sampling.wgsl");
         if key.needs_cones().is_some() {
             modules.push("cones.wgsl");
         }
-        modules.extend([key.march_file(), "shading.wgsl", "land.wgsl"]);
+        modules.push(key.march_file());
         name = format!("terrain {}", key.technique.name());
     } else if key.given {
         bindings.push(texture_entry(GIVEN_DISTANCES, false, false));
-        modules.extend(["shading.wgsl", "land.wgsl"]);
         name = "terrain of given distances".to_owned();
     }
     if key.needs_exact_distances() {
@@ -97,7 +95,6 @@ pub(super) fn describe(key: TerrainKey) -> PassDescription {
     }
     bindings.extend(key.land.bindings());
     if key.materials.on {
-        modules.push("materials.wgsl");
         bindings.extend(materials::layout_entries(key.materials));
     }
     let defs = key.defs();
@@ -241,10 +238,26 @@ impl TerrainBindings {
         uniform: &TerrainUniform,
         textures: &Textures<'_>,
     ) -> Option<wgpu::BindGroup> {
-        let &Textures { ground, drape, land, materials, beams, light_map, given, exact } = textures;
         self.write(gpu, uniform);
+        let mut entries = self.entries(&self.buffer, key, uniform.repeats, textures)?;
+        if key.starts_from_beams() {
+            entries.push((8, wgpu::BindingResource::TextureView(textures.beams?.starts(Tiles::Fine))));
+        }
+        Some(bind(gpu, built, entries))
+    }
+
+    /// What a pass that finds and shades the ground by `key` reads, but for starts of beams: `uniform` holds its
+    /// [`TerrainUniform`], in which the diffuse texture repeats so often. `None` where a texture is missing.
+    pub(super) fn entries<'a>(
+        &'a self,
+        uniform: &'a wgpu::Buffer,
+        key: TerrainKey,
+        repeats: f32,
+        textures: &Textures<'a>,
+    ) -> Option<Vec<(u32, wgpu::BindingResource<'a>)>> {
+        let &Textures { ground, drape, land, materials, light_map, given, exact, .. } = textures;
         let view = wgpu::BindingResource::TextureView;
-        let mut entries = vec![(0, self.buffer.as_entire_binding())];
+        let mut entries = vec![(0, uniform.as_entire_binding())];
         if key.given {
             entries.push((GIVEN_DISTANCES, view(given?)));
         }
@@ -263,9 +276,6 @@ impl TerrainBindings {
         if key.needs_pyramid() {
             entries.push((3, view(ground.pyramid()?)));
         }
-        if key.starts_from_beams() {
-            entries.push((8, view(beams?.starts(Tiles::Fine))));
-        }
         if key.light.needs_map() {
             entries.extend(light_map?.entries());
         }
@@ -279,14 +289,14 @@ impl TerrainBindings {
             entries.push((4, view(ground.layer()?.0)));
         }
         if key.diffuse {
-            let sampler = if uniform.repeats > 1.0 { &self.repeated } else { &self.clamped };
+            let sampler = if repeats > 1.0 { &self.repeated } else { &self.clamped };
             entries.extend([(5, view(drape?.view()?)), (6, wgpu::BindingResource::Sampler(sampler))]);
         }
         entries.extend(land.entries(key.land)?);
         if key.materials.on {
             entries.extend(materials?.entries(key.materials)?);
         }
-        Some(bind(gpu, built, entries))
+        Some(entries)
     }
 
     /// The bind group of a beam pass, `built` for these tiles, which shares the uniform; `None` without a pyramid.

@@ -14,6 +14,7 @@ use super::materials::MaterialsUniform;
 use super::occluder::{CubeUniform, OccluderKey};
 use super::pipelines::sources;
 use super::terrain::{TerrainKey, TerrainUniform};
+use super::water::{WaterBuffer, WaterKey};
 use super::*;
 use crate::camera::{Camera, NamedView};
 use crate::gpu::COLOR_FORMAT;
@@ -160,6 +161,24 @@ fn rust_and_wgsl_agree_on_every_uniform() {
     let pass = terrain::describe(TerrainKey { light: LightKey::all()[2], ..key });
     let module = sources().compose(pass.file, &pass.modules, &pass.defs).unwrap();
     assert_layout!(&module, "Light", LightUniform, [columns, shares, cube, sky, sun, cells_per_texel]);
+    let pass = water::describe(WaterKey::some()[0]);
+    let module = sources().compose(pass.file, &pass.modules, &pass.defs).unwrap();
+    assert_layout!(
+        &module,
+        "Water",
+        WaterBuffer,
+        [
+            cube,
+            cube_sun,
+            absorption_and_level,
+            deep_and_submerged,
+            sun_and_flattening,
+            background_and_foam,
+            foam_light_and_bubbles,
+            drift,
+            waves,
+        ]
+    );
     let pass = occluder::describe(OccluderKey::default());
     let module = sources().compose(pass.file, &pass.modules, &pass.defs).unwrap();
     assert_layout!(&module, "Cube", CubeUniform, [clip, sun, ambient]);
@@ -171,6 +190,7 @@ fn every_reachable_pipeline_builds_and_binds_just_what_its_shader_uses() {
     let keys = TerrainKey::all();
     assert!(keys.len() > 100, "the list of variants has shrunk to {}", keys.len());
     let mut all: Vec<_> = keys.into_iter().map(PipelineKey::Terrain).collect();
+    all.extend(WaterKey::some().into_iter().map(PipelineKey::Water));
     all.sort_by_cached_key(|key| format!("{key:?}"));
     let terrains = all.len();
     all.extend([

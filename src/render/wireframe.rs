@@ -8,6 +8,7 @@ use super::pipelines::PassDescription;
 pub(super) fn describe() -> PassDescription {
     PassDescription {
         defs: vec!["WIREFRAME"],
+        modules: vec!["frame.wgsl", "cube_faces.wgsl"],
         bindings: super::occluder::bindings(),
         topology: wgpu::PrimitiveTopology::LineList,
         ..PassDescription::scene("wireframe", "cube.wgsl", false)

@@ -12,7 +12,9 @@ use super::{Halt, Job};
 use crate::heightfield::Crater;
 use crate::render::RenderError;
 use crate::scene::light::{Shadows, SkyModel};
-use crate::scene::{ColourSource, CraterMode, GroundColour, HeightFilter, Hillshade, LandSettings, Scene, Technique};
+use crate::scene::{
+    ColourSource, CraterMode, GroundColour, HeightFilter, Hillshade, LandSettings, Scene, Technique, Water,
+};
 
 /// A feature that is switched against the base frame.
 #[derive(Clone, Debug, Serialize)]
@@ -58,9 +60,10 @@ fn variants(job: &Job, scene: &Scene, able: &[Technique]) -> Vec<(String, Scene,
     base.lighting.shadows = Shadows::Off;
     (base.lighting.baked, base.lighting.occlusion) = (false, false);
     base.skybox.model = SkyModel::Painted;
+    base.water = Water::default();
     (base.land, base.diffuse.source) = (LandSettings::default(), ColourSource::Texture);
     let list = craters(job);
-    let changes: [Change<'_>; 23] = [
+    let changes: [Change<'_>; 24] = [
         ("base frame", None, &|_| {}),
         ("without halvings", None, &|scene| scene.march.binary_steps = 0),
         ("fixed steps (512) instead of by angle", None, &|scene| scene.march.steps_by_angle = false),
@@ -94,6 +97,9 @@ fn variants(job: &Job, scene: &Scene, able: &[Technique]) -> Vec<(String, Scene,
         ("materials without relief", None, &|scene| {
             (scene.diffuse.enabled, scene.diffuse.source) = (true, ColourSource::Materials);
             scene.materials.relief = 0.0;
+        }),
+        ("a sea over a third of the height", None, &|scene| {
+            (scene.water.enabled, scene.water.level) = (true, Some(1.0 / 3.0));
         }),
         ("`smooth`: another surface, without creases", None, &|scene| scene.march.technique = Technique::Smooth),
         ("without a diffuse texture", None, &|scene| scene.diffuse.enabled = !scene.diffuse.enabled),

@@ -6,7 +6,7 @@ use std::time::Duration;
 use serde_json::Value;
 
 use crate::desktop::{Cover, minimise};
-use crate::harness::{Window, camera, number, widget};
+use crate::harness::{Window, camera, has, number, widget};
 
 fn counts(status: &Value) -> (f64, f64) {
     (number(&status["frame"]), number(&status["scene_frames"]))
@@ -64,6 +64,24 @@ fn frames_are_drawn_only_for_a_reason() {
     let stopped = window.settled("rest", |_| true);
     sleep(Duration::from_secs(1));
     assert_eq!(counts(&stopped), counts(&window.status()), "a sun that stands costs no frame");
+
+    window.section("Sun", false);
+    window.section("Water", true);
+    window.point(600.0, 300.0);
+    window.key("o");
+    window.settled("a sea", |status| has(&status["ledger"]["passes"], "water"));
+    window.click("Moving water");
+    let flows = window.wait("waves", |status| status["scene"]["water"]["moving"] == true);
+    let time = |status: &Value| number(&status["scene"]["water"]["time"]);
+    let later = window.wait("five pictures of them", |status| counts(status).1 >= counts(&flows).1 + 5.0);
+    assert!(time(&later) > time(&flows));
+    window.click("Moving water");
+    window.settled("still water", |status| status["scene"]["water"]["moving"] == false);
+    window.point(600.0, 300.0);
+    sleep(Duration::from_millis(700));
+    let stopped = window.settled("rest", |_| true);
+    sleep(Duration::from_secs(1));
+    assert_eq!(counts(&stopped), counts(&window.status()), "still water costs no frame");
     window.close();
 }
 

@@ -254,6 +254,7 @@ const SECTIONS: [(&str, &[Row], &str, &str); 13] = [
 /// Widgets that are used outside the table, and where.
 const ELSEWHERE: &[(&str, &str)] = &[
     ("Materials", "used by the panel's own tests, by name, as is all in it"),
+    ("Water", "the same; moved by the test of idling"),
     ("smooth", "the technique: drawn by tests/smooth.rs"),
     ("hard", "shadows: chosen by key, and by the panel's own tests"),
     ("painted", "the sky of every other test"),

@@ -172,9 +172,10 @@ fn use_control(harness: &mut Harness<'_, State>, role: Role, name: &str) -> bool
 }
 
 /// What is greyed out in every state of the test, and why.
-const OFF: [(&str, &str); 8] = [
+const OFF: [(&str, &str); 9] = [
     ("Apply imagery", "the test's map does not say where it lies; toggles/land.rs puts pictures in their places"),
     ("Levels in", "its entry metres only: the test's map knows none"),
+    ("Water level in", "the same"),
     ("True proportion", "the test's map has no extent"),
     ("Height filter", "its entry hardware-linear only: the test's adapter filters nothing"),
     ("Cancel animation", "nothing is being written"),
@@ -202,6 +203,7 @@ const STATES: [fn(&mut State); 3] = [
         state.scene.materials.coverage = vec!["a.png".into()];
         state.view.paths.coverage = "b.png".into();
         state.scene.lighting.shadows = Shadows::Hard;
+        (state.scene.water.enabled, state.scene.water.level) = (true, Some(0.6));
     },
 ];
 

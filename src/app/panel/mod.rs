@@ -22,6 +22,7 @@ mod skybox;
 mod sun;
 mod terrain;
 mod tradeoff;
+mod water;
 mod widgets;
 
 use super::files::Files;
@@ -54,7 +55,7 @@ pub(crate) struct Panel<'a> {
 type Section = (&'static str, fn(&mut egui::Ui, &mut Panel<'_>));
 
 /// All sections from top to bottom.
-const SECTIONS: [Section; 22] = [
+const SECTIONS: [Section; 23] = [
     ("Files", files::show),
     ("Terrain", terrain::show),
     ("Import", import::show),
@@ -70,6 +71,7 @@ const SECTIONS: [Section; 22] = [
     ("Skybox", skybox::show),
     ("Sun", sun::show),
     ("Occluder", occluder::show),
+    ("Water", water::show),
     ("Craters", craters::show),
     ("Debug", debug::show),
     ("Tradeoff", tradeoff::show),
