@@ -38,6 +38,12 @@
 #ifdef SHADOWS
 #import relief::shadow
 #endif
+#ifdef AIR
+#import relief::air
+#endif
+#ifdef CLOUD_SHADOWS
+#import relief::air
+#endif
 #ifdef VIEW_STEPS
 #import relief::heat_map::heat_map
 #endif
@@ -442,12 +448,18 @@ fn fs_main(in: varyings::Varyings) -> Fragment {
         shading::sunlight = shadow::sunlight(lit_place, !wall || cut_wall);
     }
 #endif
+#ifdef CLOUD_SHADOWS
+    shading::cloud_light = air::cloud_light(point / vec3f(terrain.cells_per_unit, 1.0).xzy);
+#endif
     albedo = shading::lit(albedo, normal, ray.direction * (-1.0 / length_of_direction));
 #endif
 #ifdef LAND_CONTOURS
     if !wall {
         albedo = land::with_contours(albedo, unlit, land_place, ray, depth);
     }
+#endif
+#ifdef AIR
+    albedo = air::through(albedo, ray.direction, depth, point.y, in.position.xy);
 #endif
     return Fragment(vec4f(albedo, 1.0), written);
 #endif

@@ -3,16 +3,23 @@
 //! A frame draws the same unit cube for the terrain, its wireframe, the occluder and, last, the skybox. What is off or
 //! out of view has no pass, no texture and no instruction; the [`Ledger`] tells.
 
+mod air;
+#[cfg(test)]
+mod air_tests;
 mod anchor;
+mod atmosphere;
 #[cfg(test)]
 mod bad_numbers_tests;
 mod beam;
+mod cloud_pattern;
+mod clouds;
 mod compile;
 mod cones;
 mod cube;
 mod distances;
 mod drape;
 mod error;
+mod flare;
 mod frame;
 mod ground;
 mod heat_map;
@@ -55,7 +62,9 @@ pub use ledger::{Ledger, TextureEntry};
 pub use probe::Probe;
 
 pub(crate) use anchor::Anchor;
+use atmosphere::Atmosphere;
 use beam::{Beams, Tiles};
+use clouds::Clouds;
 pub(crate) use compile::{Compilation, Compiled};
 use cube::Cube;
 use distances::ExactDistances;
@@ -91,6 +100,7 @@ pub struct Renderer {
     ground: Option<Ground>,
     drape: Option<Drape>,
     land: Land,
+    atmosphere: Atmosphere,
     materials: Option<Materials>,
     skybox: Option<Skybox>,
     beams: Option<Beams>,
@@ -156,6 +166,7 @@ impl Renderer {
             ground: None,
             drape: None,
             land: Land::new(&gpu),
+            atmosphere: Atmosphere::new(&gpu),
             materials: None,
             skybox: None,
             beams: None,
@@ -254,14 +265,18 @@ impl Renderer {
     ) -> Result<(), RenderError> {
         self.check_device()?;
         let passes = self.prepare(scene, target.size(), aim)?;
+        let over = self.air_draws(scene, passes.air, target)?;
         let mut encoder =
             self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("frame") });
         if let (Some(pass), Some(map)) = (&passes.light_map, &mut self.light_map) {
             map.encode(&mut encoder, &self.frame, pass);
         }
-        self.encode_beams(&mut encoder, &passes, self.timer.writes(true, false));
+        // The first pass that is timed begins the frame.
+        let shadow = passes.air.shadow;
+        self.encode_cloud_shadow(&mut encoder, &over, self.timer.writes(true, false));
+        self.encode_beams(&mut encoder, &passes, self.timer.writes(!shadow, false));
         if let Some(draw) = &passes.exact {
-            let first = passes.beams.is_none();
+            let first = passes.beams.is_none() && !shadow;
             self.encode_exact(&mut encoder, draw, &target.depth_view, self.timer.writes(first, false));
         }
         let background = if scene.debug.view == DebugView::Error { heat_map::sky_both() } else { BACKGROUND };
@@ -276,7 +291,9 @@ impl Renderer {
                 label: Some("scene"),
                 color_attachments: &attachments,
                 depth_stencil_attachment: Some(clear_depth(&target.depth_view)),
-                timestamp_writes: self.timer.writes(passes.beams.is_none() && passes.exact.is_none(), true),
+                timestamp_writes: self
+                    .timer
+                    .writes(passes.beams.is_none() && passes.exact.is_none() && !shadow, !passes.air.any_over()),
                 occlusion_query_set: counter.map(probe::PixelCounter::queries),
                 multiview_mask: None,
             });
@@ -290,6 +307,9 @@ impl Renderer {
                     pass.end_occlusion_query();
                 }
             }
+        }
+        if passes.air.any_over() {
+            self.encode_over(&mut encoder, &over, target, self.timer.writes(false, true));
         }
         if let Some(counter) = counter {
             counter.resolve(&mut encoder);
@@ -408,10 +428,12 @@ impl Renderer {
         textures.extend(self.skybox.as_ref().map(Skybox::entry));
         textures.extend(self.beams.iter().flat_map(Beams::entries));
         textures.extend(self.light_map.as_ref().map(LightMap::entry));
+        textures.extend(self.atmosphere.clouds.iter().flat_map(Clouds::list));
         textures.extend(self.exact.as_ref().or(self.reference.as_ref()).map(ExactDistances::entry));
         textures.push(TextureEntry::of("picture", &target.color));
         textures.push(TextureEntry::of("depth", &target.depth));
         let baked = passes.light_map.iter().map(|_| "light map");
+        let baked = baked.chain(passes.air.shadow.then_some("cloud shadows"));
         let before = baked
             .chain(passes.beams.iter().flat_map(|_| Tiles::ALL.map(Tiles::name)))
             .chain(passes.exact.iter().map(|draw| draw.name));
@@ -419,8 +441,13 @@ impl Renderer {
         let terrain = passes.draws.iter().find(|draw| matches!(draw.name, "terrain" | "compare"));
         self.shown.clear();
         self.ledger = Ledger {
-            draws: (passes.draws.len() + before.len()) as u32,
-            passes: before.into_iter().chain(passes.draws.iter().map(|draw| draw.name)).map(str::to_owned).collect(),
+            draws: (passes.draws.len() + before.len() + passes.air.over().count()) as u32,
+            passes: before
+                .into_iter()
+                .chain(passes.draws.iter().map(|draw| draw.name))
+                .chain(passes.air.over())
+                .map(str::to_owned)
+                .collect(),
             pipelines: self.pipelines.names(),
             texture_bytes: textures.iter().map(|texture| texture.bytes).sum(),
             textures,

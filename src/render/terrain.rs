@@ -6,6 +6,7 @@ use crate::camera::Camera;
 use crate::gpu::Gpu;
 
 use super::anchor::{AnchorUniform, MOST_ANCHORS};
+use super::atmosphere::Atmosphere;
 use super::beam::{Beams, Tiles};
 use super::cube::corner;
 use super::drape::Drape;
@@ -95,6 +96,8 @@ pub(super) fn describe(key: TerrainKey) -> PassDescription {
     if key.diffuse {
         bindings.extend([texture_entry(5, true, false), sampler_entry(6)]);
     }
+    modules.extend(key.air.modules());
+    bindings.extend(key.air.bindings());
     bindings.extend(key.land.bindings());
     if key.materials.on {
         modules.push("materials.wgsl");
@@ -157,6 +160,7 @@ pub(super) struct Textures<'a> {
     pub(super) drape: Option<&'a Drape>,
     pub(super) land: &'a Land,
     pub(super) materials: Option<&'a Materials>,
+    pub(super) atmosphere: &'a Atmosphere,
     pub(super) beams: Option<&'a Beams>,
     pub(super) light_map: Option<&'a LightMap>,
     /// Distances to read instead of casting rays.
@@ -237,7 +241,7 @@ impl TerrainBindings {
         uniform: &TerrainUniform,
         textures: &Textures<'_>,
     ) -> Option<wgpu::BindGroup> {
-        let &Textures { ground, drape, land, materials, beams, light_map, given, exact } = textures;
+        let &Textures { ground, drape, land, materials, atmosphere, beams, light_map, given, exact } = textures;
         self.write(gpu, uniform);
         let view = wgpu::BindingResource::TextureView;
         let mut entries = vec![(0, self.buffer.as_entire_binding())];
@@ -278,6 +282,7 @@ impl TerrainBindings {
             let sampler = if uniform.repeats > 1.0 { &self.repeated } else { &self.clamped };
             entries.extend([(5, view(drape?.view()?)), (6, wgpu::BindingResource::Sampler(sampler))]);
         }
+        entries.extend(atmosphere.entries(key.air)?);
         entries.extend(land.entries(key.land)?);
         if key.materials.on {
             entries.extend(materials?.entries(key.materials)?);
