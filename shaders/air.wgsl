@@ -23,7 +23,7 @@ struct Air {
     mean: vec4f,
     // Corner of the map of cloud shadows in the world, seen along the sun's rays; one over its sides.
     shadow_place: vec4f,
-    // Way along x and z for a unit of height towards the sun; half the thickness of a layer; strength.
+    // Way along x and z for a unit of height towards the sun; the height within which a layer's shadow ends; strength.
     shadow_shear: vec4f,
     // World heights above which the lowest layer, the two, three, four lowest cast no shadow.
     shadow_levels: vec4f,
@@ -154,8 +154,7 @@ fn through(color: vec3f, direction: vec3f, depth: f32, height: f32, pixel: vec2f
 fn cloud_light(place: vec3f) -> f32 {
     let at = (place.xz - place.y * air.shadow_shear.xy - air.shadow_place.xy) * air.shadow_place.zw;
     let light = textureSampleLevel(cloud_shadow, cloud_sampler, at, 0.0);
-    let half_depth = vec4f(air.shadow_shear.z);
-    let above = smoothstep(air.shadow_levels - half_depth, air.shadow_levels + half_depth, vec4f(place.y));
+    let above = clamp((place.y - air.shadow_levels) / air.shadow_shear.z + 0.5, vec4f(0.0), vec4f(1.0));
     return mix(mix(mix(mix(light.x, light.y, above.x), light.z, above.y), light.w, above.z), 1.0, above.w);
 }
 #endif

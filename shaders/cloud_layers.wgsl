@@ -40,7 +40,9 @@ struct Cloud {
 // The clouds of a layer at a place of its plane, blurred over `footprint` world units.
 fn cloud_at(layer: CloudLayer, place: vec2f, footprint: f32) -> Cloud {
     let tiles = footprint * length(layer.first.xy);
-    let level = max(log2(tiles * SIDE), 0.0);
+    // Half of the way between two levels belongs to one of them alone: there a software rasteriser looks up one, not two.
+    let exact = max(log2(tiles * SIDE), 0.0);
+    let level = floor(exact) + clamp(2.0 * fract(exact) - 0.5, 0.0, 1.0);
     let first = vec2f(dot(layer.first.xy, place), dot(layer.first.zw, place)) + layer.offsets.xy;
     let second = vec2f(dot(layer.second.xy, place), dot(layer.second.zw, place)) + layer.offsets.zw;
     let a = textureSampleLevel(pattern, pattern_sampler, first, level).rgb;

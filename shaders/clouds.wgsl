@@ -36,14 +36,13 @@ fn cloud_light(cloud: Cloud, direction: vec3f) -> vec3f {
     if direction.y > 0.0 {
         // What comes through from above: less through the thick, much at thin edges, most around the sun.
         let through = exp(-0.55 * cloud.depth);
-        lit = 0.30 + 0.45 * through + 0.45 * facing + min(silver(to_sun), 1.0) * 0.9 * exp(-1.3 * cloud.depth);
-        sky = 0.75 - 0.25 * solid;
+        lit = 0.14 + 0.44 * through + 0.5 * facing + min(silver(to_sun), 1.0) * 0.8 * exp(-1.3 * cloud.depth);
+        sky = 0.60 - 0.22 * solid;
     } else {
-        lit = (0.62 + 0.25 * cloud.fullness) * (0.55 + 0.45 * sun.y) + 0.5 * facing;
-        sky = 0.55;
+        lit = (0.50 + 0.28 * cloud.fullness) * (0.55 + 0.45 * sun.y) + 0.7 * facing;
+        sky = 0.50;
     }
-    let light = constants.sun_light.rgb * max(lit, 0.12) + constants.sky_light.rgb * sky;
-    return light;
+    return constants.sun_light.rgb * max(lit, 0.10) + constants.sky_light.rgb * sky;
 }
 
 @fragment
@@ -69,7 +68,7 @@ fn fs_main(@builtin(position) position: vec4f) -> @location(0) vec4f {
         let depth = frame.ray_start + along;
         if f32(number) < clouds.count.x && depth > 0.0 && depth < behind && seen > 0.0 {
             let place = ray.origin.xz + ray.direction.xz * along;
-            let footprint = frame.pixel_size * depth / sqrt(steep);
+            let footprint = frame.pixel_size * depth * exp2(-0.8 * log2(steep));
             let cloud = cloud_at(layer, place, footprint);
             // Softly into hills, and softly through a layer that the eye flies through.
             let hills = smoothstep(0.0, layer.shape.y, (behind - depth) * abs(ray.direction.y));

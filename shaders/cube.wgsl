@@ -2,10 +2,7 @@
 // transformed on the CPU.
 
 #import relief::frame::{frame, pixel_ray, cube_corner}
-#ifdef AIR
-#import relief::air
-#endif
-#ifdef CLOUD_SHADOWS
+#ifdef ATMOSPHERE
 #import relief::air
 #endif
 #ifdef SHADOWS

@@ -38,10 +38,7 @@
 #ifdef SHADOWS
 #import relief::shadow
 #endif
-#ifdef AIR
-#import relief::air
-#endif
-#ifdef CLOUD_SHADOWS
+#ifdef ATMOSPHERE
 #import relief::air
 #endif
 #ifdef VIEW_STEPS

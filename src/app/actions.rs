@@ -16,6 +16,11 @@ pub(crate) enum Action {
     RemoveKeyFrame,
     PlayPath,
     Shadows,
+    Air,
+    Fog,
+    Clouds,
+    CloudsMove,
+    Flare,
     ExaggerateLess,
     ExaggerateMore,
     Probe,
@@ -64,7 +69,7 @@ const fn always(action: Action, name: &'static str, default: &'static str, does:
 }
 
 /// All actions.
-pub(crate) const ACTIONS: [Entry; 35] = [
+pub(crate) const ACTIONS: [Entry; 40] = [
     row(Action::Forward, "forward", "W", "fly forward"),
     row(Action::Back, "back", "S", "fly back"),
     row(Action::Left, "left", "A", "fly left"),
@@ -78,6 +83,11 @@ pub(crate) const ACTIONS: [Entry; 35] = [
     row(Action::RemoveKeyFrame, "remove-key-frame", "Shift+K", "remove the path's last key frame"),
     row(Action::PlayPath, "play-path", "Space", "play the camera path, or stop it"),
     row(Action::Shadows, "shadows", "L", "shadows: off, hard, soft"),
+    row(Action::Air, "air", "J", "aerial perspective"),
+    row(Action::Fog, "fog", "Shift+J", "fog in the valleys"),
+    row(Action::Clouds, "clouds", "N", "clouds: none, clouds, clouds and their shadows"),
+    row(Action::CloudsMove, "clouds-move", "Shift+N", "clouds move, or stand still"),
+    row(Action::Flare, "flare", "Shift+L", "lens flare"),
     row(
         Action::ExaggerateLess,
         "exaggerate-less",

@@ -85,8 +85,13 @@ impl AirKey {
     }
 
     pub(super) fn defs(self) -> impl Iterator<Item = &'static str> {
-        let defs =
-            [(self.veils(), "AIR"), (self.perspective, "AERIAL"), (self.fog, "FOG"), (self.shadows, "CLOUD_SHADOWS")];
+        let defs = [
+            (self.is_on(), "ATMOSPHERE"),
+            (self.veils(), "AIR"),
+            (self.perspective, "AERIAL"),
+            (self.fog, "FOG"),
+            (self.shadows, "CLOUD_SHADOWS"),
+        ];
         defs.into_iter().filter_map(|(on, def)| on.then_some(def))
     }
 
@@ -116,7 +121,7 @@ impl AirKey {
 }
 
 /// Whether air and clouds belong to what `scene` shows.
-pub(super) fn shows_air(scene: &Scene) -> bool {
+pub(crate) fn shows_air(scene: &Scene) -> bool {
     let is_analytic = matches!(scene.land.colour, GroundColour::Slope | GroundColour::Aspect)
         || LandKey::of(&scene.land).lights_ground();
     scene.debug.view == DebugView::None && !is_analytic
@@ -237,7 +242,7 @@ mod tests {
             let all: Vec<f64> = molecules.iter().zip(haze).map(|(a, b)| a + b).collect();
             let contrast = (-all[1] * visibility).exp();
             // Green stands for 545 nm, visibility for 550 nm.
-            assert!((0.018..0.0205).contains(&contrast), "{visibility} km: {contrast}");
+            assert!((0.017..0.0205).contains(&contrast), "{visibility} km: {contrast}");
             assert!(all[0] <= all[1] && all[1] <= all[2] && haze.iter().all(|&haze| haze >= 0.0), "{all:?}");
         }
     }

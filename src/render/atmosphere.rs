@@ -206,7 +206,8 @@ impl Renderer {
         let load = wgpu::LoadOp::Clear(wgpu::Color::WHITE);
         let mut pass = over_pass(encoder, "cloud shadows", view, load, timestamps);
         pass.set_pipeline(&built.pipeline);
-        pass.set_bind_group(0, group, &[]);
+        pass.set_bind_group(0, self.frame.group(built), &[]);
+        pass.set_bind_group(1, group, &[]);
         pass.draw(0..3, 0..1);
     }
 

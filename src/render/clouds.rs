@@ -93,7 +93,6 @@ pub(super) fn describe_shadow() -> PassDescription {
     PassDescription {
         modules: vec!["cloud_layers.wgsl"],
         bindings: layer_entries().into(),
-        frame: false,
         depth: None,
         format: SHADOW_FORMAT,
         ..PassDescription::scene("cloud shadows", "cloud_shadow.wgsl", false)
@@ -248,8 +247,9 @@ pub(super) fn uniforms(
     air.shadow_place = pair(place.corner, DVec2::ONE / place.size);
     air.shadow_shear = pair(place.shear, DVec2::new(HALF_DEPTH / km.up, place.strength));
     // Of five layers the fourth casts its shadow up to the fifth.
-    let level = |index: usize| layers.get(index).map_or(f32::MAX, |layer| layer.height as f32);
+    let level = |index: usize| layers.get(index).map_or(1e30, |layer| layer.height as f32);
     air.shadow_levels = [level(0), level(1), level(2), if layers.len() > 4 { level(4) } else { level(3) }];
+    *air = without_subnormals(*air);
     without_subnormals(uniform)
 }
 

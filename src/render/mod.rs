@@ -55,6 +55,7 @@ use crate::heightfield::colour::Diffuse;
 use crate::heightfield::{EditedTerrain, HeightField};
 use crate::scene::{DebugView, Scene};
 
+pub(crate) use air::shows_air;
 pub use cones::ConeGround;
 pub use error::RenderError;
 pub use heat_map::{COVERS_SKY, ERROR_DECADES, SEE_THROUGH, SKY_BOTH, error_colour, heat_map_colour};

@@ -78,12 +78,15 @@ impl Kilometres {
     pub fn of(map: &HeightField, height: f64) -> Self {
         let along = map.extent_metres().map_or(UNKNOWN_SIDE, |[x, z]| x.max(z) / 1000.0);
         let [low, high] = map.range();
-        let span = if map.has_metres() { (high - low) / 1000.0 } else { along * map.true_height_scale() };
+        let span = if map.has_metres() { high / 1000.0 - low / 1000.0 } else { along * map.true_height_scale() };
+        // Maps may say anything; what no planet has is cut off, so that single precision holds all that follows.
+        let along = along.clamp(1e-6, 1e6);
         let up = span / height;
+        let floor = if map.has_metres() { low / 1000.0 } else { 0.0 };
         Self {
             along,
-            up: if up.is_finite() && up > 0.0 { up } else { along },
-            floor: if map.has_metres() { low / 1000.0 } else { 0.0 },
+            up: if up.is_finite() && up > 0.0 { up.clamp(1e-6, 1e6) } else { along },
+            floor: floor.clamp(-1e6, 1e6),
         }
     }
 
