@@ -19,6 +19,8 @@ struct Clouds {
     count: vec4f,
     // Sides of the map of shadows; way along x and z for a unit of height towards the sun.
     shadow: vec4f,
+    // Their numbers from the farthest to the nearest to the eye.
+    order: array<vec4f, 2>,
     // Sine of the sun's height over the horizon, at least; strength of shadows; whether light is exposed.
     sun: vec4f,
 }

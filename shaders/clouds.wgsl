@@ -1,19 +1,55 @@
-// The clouds: flat layers between the eye and what it sees, or the sky, blended over the picture. Which of them are before
-// the ground the picture's depth tells.
+// The clouds: flat layers between the eye and what it sees, or the sky, blended over the picture, an instance for each from the
+// farthest to the nearest. Which of them are before the ground the picture's depth tells.
+//
+// All that a layer's fragments need comes as varyings: a software rasteriser reads buffers lane by lane.
 
 #import relief::constants::NEAR
 #import relief::frame::{frame, pixel_ray}
 #import relief::air
 #import relief::air::air as constants
 #import relief::cloud_constants::CLOUD_LAYERS
-#import relief::cloud_layers::{clouds, cloud_at, Cloud}
+#import relief::cloud_layers::{clouds, cloud_at, Cloud, CloudLayer}
 
 @group(1) @binding(50) var depths: texture_depth_2d;
 
+struct Varyings {
+    @builtin(position) position: vec4f,
+    // The ray; w: view depth where it begins, and the width of a pixel at view depth 1.
+    @location(0) origin: vec4f,
+    @location(1) direction: vec4f,
+    @location(2) @interpolate(flat) shape: vec4f,
+    @location(3) @interpolate(flat) first: vec4f,
+    @location(4) @interpolate(flat) second: vec4f,
+    @location(5) @interpolate(flat) offsets: vec4f,
+    // Towards the sun; whether light is exposed.
+    @location(6) @interpolate(flat) sun: vec4f,
+    // Light of the sun; how much of the layer shows to an eye so near to it.
+    @location(7) @interpolate(flat) sun_light: vec4f,
+    @location(8) @interpolate(flat) sky_light: vec4f,
+}
+
 @vertex
-fn vs_main(@builtin(vertex_index) index: u32) -> @builtin(position) vec4f {
+fn vs_main(@builtin(vertex_index) index: u32, @builtin(instance_index) instance: u32) -> Varyings {
     // One triangle over all.
-    return vec4f(4.0 * f32(index & 1u) - 1.0, 4.0 * f32(index >> 1u) - 1.0, 0.0, 1.0);
+    let corner = vec2f(4.0 * f32(index & 1u) - 1.0, 4.0 * f32(index >> 1u) - 1.0);
+    let pixel = vec2f(frame.centre_x, frame.centre_y) * (1.0 + corner * vec2f(1.0, -1.0));
+    let ray = pixel_ray(pixel);
+    let number = u32(clouds.order[min(instance >> 2u, 1u)][instance & 3u]);
+    let layer = clouds.layers[min(number, CLOUD_LAYERS - 1u)];
+    // Softly through a layer that the eye flies through.
+    let shows = smoothstep(0.0, 2.0 * layer.shape.y, abs(layer.shape.x - clouds.count.y));
+    return Varyings(
+        vec4f(corner, 0.0, 1.0),
+        vec4f(ray.origin, frame.ray_start),
+        vec4f(ray.direction, frame.pixel_size),
+        layer.shape,
+        layer.first,
+        layer.second,
+        layer.offsets,
+        vec4f(constants.sun.xyz, clouds.sun.z),
+        vec4f(constants.sun_light.rgb, shows),
+        constants.sky_light,
+    );
 }
 
 // How a cloud scatters forward, 1 towards the sun.
@@ -23,8 +59,7 @@ fn silver(to_sun: f32) -> f32 {
 }
 
 // Light of a cloud, seen in a direction (unit length), from below or above.
-fn cloud_light(cloud: Cloud, direction: vec3f) -> vec3f {
-    let sun = constants.sun.xyz;
+fn cloud_light(cloud: Cloud, direction: vec3f, sun: vec3f, sun_light: vec3f, sky_light: vec3f) -> vec3f {
     let to_sun = dot(direction, sun);
     let solid = 1.0 - exp(-cloud.depth);
     // The side towards the sun is where the cloud grows thinner towards it.
@@ -42,48 +77,43 @@ fn cloud_light(cloud: Cloud, direction: vec3f) -> vec3f {
         lit = (0.50 + 0.28 * cloud.fullness) * (0.55 + 0.45 * sun.y) + 0.7 * facing;
         sky = 0.50;
     }
-    return constants.sun_light.rgb * max(lit, 0.10) + constants.sky_light.rgb * sky;
+    return sun_light * max(lit, 0.10) + sky_light * sky;
 }
 
 @fragment
-fn fs_main(@builtin(position) position: vec4f) -> @location(0) vec4f {
-    let ray = pixel_ray(position.xy);
-    let long = length(ray.direction);
-    let direction = ray.direction / long;
-    let last = vec2i(textureDimensions(depths)) - 1;
-    let written = textureLoad(depths, min(vec2i(position.xy), last), 0);
-    let behind = select(1e30, NEAR / written, written > 0.0);
+fn fs_main(in: Varyings) -> @location(0) vec4f {
+    let ray = in.direction.xyz;
+    let along = (in.shape.x - in.origin.y) / select(ray.y, 1e-20, ray.y == 0.0);
+    let depth = in.origin.w + along;
+    let direction = normalize(ray);
     let steep = abs(direction.y);
     // Near the horizon layers fade: there they would be seen on edge.
-    let seen = smoothstep(0.012, 0.11, steep);
-    var color = vec3f(0.0);
-    var open = 1.0;
-    var index = 0u;
-    while index < CLOUD_LAYERS {
-        // From the nearest on: upwards the lowest first.
-        let number = select(index, CLOUD_LAYERS - 1u - index, direction.y < 0.0);
-        index += 1u;
-        let layer = clouds.layers[number];
-        let along = (layer.shape.x - ray.origin.y) / select(ray.direction.y, 1e-20, ray.direction.y == 0.0);
-        let depth = frame.ray_start + along;
-        if f32(number) < clouds.count.x && depth > 0.0 && depth < behind && seen > 0.0 {
-            let place = ray.origin.xz + ray.direction.xz * along;
-            let footprint = frame.pixel_size * depth * exp2(-0.8 * log2(steep));
-            let cloud = cloud_at(layer, place, footprint);
-            // Softly into hills, and softly through a layer that the eye flies through.
-            let hills = smoothstep(0.0, layer.shape.y, (behind - depth) * abs(ray.direction.y));
-            let eye = smoothstep(0.0, 2.0 * layer.shape.y, abs(layer.shape.x - clouds.count.y));
-            let slant = min(1.0 / steep, 3.0);
-            let opacity = (1.0 - exp(-cloud.depth * slant)) * seen * hills * eye;
-            var light = cloud_light(cloud, direction);
-            light = select(light, 1.0 - exp(-1.6 * light), clouds.sun.z > 0.0);
-#ifdef AIR
-            let before = air::veil(ray.direction, depth, layer.shape.x);
-            light = light * before.passes + before.light;
-#endif
-            color += open * opacity * light;
-            open *= 1.0 - opacity;
-        }
+    let seen = smoothstep(0.012, 0.11, steep) * in.sun_light.w;
+    if depth <= 0.0 || seen <= 0.0 {
+        discard;
     }
-    return vec4f(air::dithered(color, position.xy), 1.0 - open);
+    let last = vec2i(textureDimensions(depths)) - 1;
+    let written = textureLoad(depths, min(vec2i(in.position.xy), last), 0);
+    let behind = select(1e30, NEAR / written, written > 0.0);
+    // Softly into hills.
+    let hills = smoothstep(0.0, in.shape.y, (behind - depth) * abs(ray.y));
+    if hills <= 0.0 {
+        discard;
+    }
+    let place = in.origin.xz + ray.xz * along;
+    let footprint = in.direction.w * depth * exp2(-0.8 * log2(steep));
+    let layer = CloudLayer(in.shape, in.first, in.second, in.offsets);
+    let cloud = cloud_at(layer, place, footprint);
+    if cloud.depth <= 0.0 {
+        discard;
+    }
+    let slant = min(1.0 / steep, 3.0);
+    let opacity = (1.0 - exp(-cloud.depth * slant)) * seen * hills;
+    var light = cloud_light(cloud, direction, in.sun.xyz, in.sun_light.rgb, in.sky_light.rgb);
+    light = select(light, 1.0 - exp(-1.6 * light), in.sun.w > 0.0);
+#ifdef AIR
+    let before = air::veil(ray, depth, in.shape.x);
+    light = light * before.passes + before.light;
+#endif
+    return vec4f(air::dithered(light, in.position.xy) * opacity, opacity);
 }

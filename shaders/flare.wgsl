@@ -27,7 +27,7 @@ struct Varyings {
 fn vs_main(@builtin(vertex_index) index: u32, @builtin(instance_index) instance: u32) -> Varyings {
     let ghost = flare.ghosts[min(instance, GHOSTS - 1u)];
     // 0, 1, 2 and 2, 1, 3.
-    let corner = select(index, select(index - 2u, select(1u, 3u, index == 5u), index > 3u), index > 2u);
+    let corner = select(index, select(index - 1u, select(1u, 3u, index == 5u), index > 3u), index > 2u);
     let at = vec2f(f32(corner & 1u), f32(corner >> 1u)) * 2.0 - 1.0;
     return Varyings(vec4f(ghost.place.xy + at * ghost.place.zw, 0.0, 1.0), at, ghost.light);
 }

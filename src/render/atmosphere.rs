@@ -7,6 +7,7 @@ use glam::{DVec3, Vec3};
 use crate::gpu::{Gpu, Target};
 use crate::scene::Scene;
 use crate::scene::air::Kilometres;
+use crate::scene::clouds::MOST_CLOUD_LAYERS;
 
 use super::air::{self, AirBindings, AirKey, AirUniform};
 use super::clouds::{self, Clouds, ShadowPlace};
@@ -171,13 +172,14 @@ impl Renderer {
             }
         }
         if passes.clouds {
+            let layers = scene.clouds.shown().count().min(MOST_CLOUD_LAYERS);
             let key = PipelineKey::Clouds(AirKey::of(scene).unlit());
             let built = self.pipelines.get(&self.gpu, &self.frame.layout, key)?;
             if let Some(clouds) = &self.atmosphere.clouds {
                 let mut entries = clouds.layer_entries();
                 entries.extend([self.atmosphere.air.entry(), Clouds::depth_entry(&target.depth_view)]);
                 let group = bind(&self.gpu, &built, entries);
-                draws.over.push(Over { built, group, vertices: 3, instances: 1, frame: true });
+                draws.over.push(Over { built, group, vertices: 3, instances: layers as u32, frame: true });
             }
         }
         if passes.flare {

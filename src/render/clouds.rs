@@ -120,6 +120,7 @@ pub(super) struct CloudsUniform {
     pub(super) layers: [LayerUniform; MOST_CLOUD_LAYERS],
     pub(super) count: [f32; 4],
     pub(super) shadow: [f32; 4],
+    pub(super) order: [[f32; 4]; 2],
     pub(super) sun: [f32; 4],
 }
 
@@ -239,6 +240,12 @@ pub(super) fn uniforms(
     for (uniform, layer) in uniform.layers.iter_mut().zip(&layers) {
         *uniform = layer.uniform(km);
     }
+    // Above the eye the highest is the farthest, below it the lowest; no ray meets both.
+    let mut order: Vec<usize> = (0..layers.len()).collect();
+    order.sort_by(|&a, &b| (layers[b].height - eye).abs().total_cmp(&(layers[a].height - eye).abs()));
+    for (entry, index) in uniform.order.as_flattened_mut().iter_mut().zip(order) {
+        *entry = index as f32;
+    }
     let pair = |a: DVec2, b: DVec2| [a.x as f32, a.y as f32, b.x as f32, b.y as f32];
     uniform.count = [layers.len() as f32, eye as f32, place.corner.x as f32, place.corner.y as f32];
     uniform.shadow = pair(place.size, place.shear);
@@ -337,7 +344,7 @@ impl Clouds {
         }
         // The eye's height is no part of it.
         let mut wanted = *uniform;
-        wanted.count[1] = 0.0;
+        (wanted.count[1], wanted.order) = (0.0, [[0.0; 4]; 2]);
         let known = self.shadow_of.replace(wanted);
         known != Some(wanted)
     }

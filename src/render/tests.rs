@@ -187,7 +187,7 @@ fn rust_and_wgsl_agree_on_every_uniform() {
     );
     let pass = clouds::describe_shadow();
     let module = sources().compose(pass.file, &pass.modules, &pass.defs).unwrap();
-    assert_layout!(&module, "Clouds", CloudsUniform, [layers, count, shadow, sun]);
+    assert_layout!(&module, "Clouds", CloudsUniform, [layers, count, shadow, order, sun]);
     assert_layout!(&module, "CloudLayer", LayerUniform, [shape, first, second, offsets]);
     let pass = flare::describe();
     let module = sources().compose(pass.file, &pass.modules, &pass.defs).unwrap();
