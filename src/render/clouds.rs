@@ -304,7 +304,12 @@ impl Clouds {
                 address_mode_v: address,
                 mag_filter: wgpu::FilterMode::Linear,
                 min_filter: wgpu::FilterMode::Linear,
-                mipmap_filter: wgpu::MipmapFilterMode::Linear,
+                // In software the other level of detail costs as much again, and two patterns blur the step between them.
+                mipmap_filter: if gpu.capabilities.software {
+                    wgpu::MipmapFilterMode::Nearest
+                } else {
+                    wgpu::MipmapFilterMode::Linear
+                },
                 ..Default::default()
             })
         };
