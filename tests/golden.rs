@@ -176,7 +176,8 @@ fn colour_cases(map: &HeightField, start: &Scene) -> Vec<Case> {
 
 /// Fog, clouds, their shadows, and a flare.
 fn air_cases(map: &HeightField, start: &Scene) -> Vec<Case> {
-    let valley = scene_at(NamedView::Valley, map);
+    // Below the lowest clouds, where the ground shows their shadows.
+    let below = |target| scene_from(map, [0.5, 1.25, 1.0], target, 75.0);
     let cloudy = |scene: &mut Scene| (scene.clouds.enabled, scene.clouds.shadows) = (true, true);
     let sky = |yaw: f64, pitch: f64| {
         move |scene: &mut Scene| {
@@ -194,18 +195,14 @@ fn air_cases(map: &HeightField, start: &Scene) -> Vec<Case> {
             (scene.air.fog_density, scene.air.fog_base, scene.air.fog_scale) = (1.5, 900.0, 150.0);
             scene.occluder.enabled = true;
         }),
-        case("clouds", &valley, |scene| {
-            cloudy(scene);
-            sky(300.0, 16.0)(scene);
-        }),
+        case("clouds", &below([0.45, 1.2, 0.2]), cloudy),
         case("clouds-from-above", start, |scene| {
             cloudy(scene);
             (scene.clouds.cover, scene.air.perspective) = (0.4, true);
         }),
-        case("clouds-of-the-map", &valley, |scene| {
+        case("clouds-of-the-map", &below([0.9, 1.5, 0.5]), |scene| {
             cloudy(scene);
             (scene.clouds.source, scene.skybox.model) = (CloudSource::Map, SkyModel::Physical);
-            sky(120.0, 20.0)(scene);
         }),
         case("flare", start, |scene| {
             scene.flare.enabled = true;
