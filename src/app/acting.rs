@@ -88,7 +88,7 @@ impl Viewer {
                 self.show_hint(format!("Shadows: {name}"), now);
             }
             Action::Air | Action::Fog | Action::Clouds | Action::CloudsMove | Action::Flare => {
-                self.act_on_air(action, now)
+                self.act_on_air(action, now);
             }
             Action::ExaggerateLess => self.step_exaggeration(graphics, false, now),
             Action::ExaggerateMore => self.step_exaggeration(graphics, true, now),
