@@ -3,6 +3,9 @@
 
 #import relief::frame::{frame, pixel_ray, cube_corner}
 #import relief::cube_faces::{face_normal, face_colour}
+#ifdef ATMOSPHERE
+#import relief::air
+#endif
 #ifdef SHADOWS
 #import relief::heightfield::terrain
 #import relief::light::light
@@ -62,7 +65,18 @@ fn fs_main(in: Varyings) -> @location(0) vec4f {
         towards_sun *= shadow::sunlight(shadow::Place(cell, on_grid - cell, place.y), true);
     }
 #endif
-    return vec4f(color * (cube.ambient + towards_sun), 1.0);
+#ifdef CLOUD_SHADOWS
+    let lit_ray = pixel_ray(in.position.xy);
+    towards_sun *= air::cloud_light(lit_ray.origin + lit_ray.direction * (in.view_depth - frame.ray_start));
+#endif
+    let lit = color * (cube.ambient + towards_sun);
+#ifdef AIR
+    let seen = pixel_ray(in.position.xy);
+    let height = seen.origin.y + seen.direction.y * (in.view_depth - frame.ray_start);
+    return vec4f(air::through(lit, seen.direction, in.view_depth, height, in.position.xy), 1.0);
+#else
+    return vec4f(lit, 1.0);
+#endif
 #endif
 }
 #endif

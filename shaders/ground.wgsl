@@ -13,6 +13,9 @@
 #ifdef SHADOWS
 #import relief::shadow
 #endif
+#ifdef CLOUD_SHADOWS
+#import relief::air
+#endif
 
 // Where a ray has met the ground.
 struct Met {
@@ -135,6 +138,9 @@ fn colour(met: Met, ray: Ray) -> vec3f {
         // Beside the box's own sides there is nothing.
         shading::sunlight = shadow::sunlight(lit_place, !wall || cut_wall);
     }
+#endif
+#ifdef CLOUD_SHADOWS
+    shading::cloud_light = air::cloud_light(met.point / vec3f(terrain.cells_per_unit, 1.0).xzy);
 #endif
     albedo = shading::lit(albedo, normal, ray.direction * (-1.0 / length(ray.direction)));
 #endif

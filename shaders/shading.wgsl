@@ -146,6 +146,11 @@ var<private> sunlight: f32;
 var<private> sky_share: f32;
 #endif
 
+#ifdef CLOUD_SHADOWS
+// Share of the sun's light that clouds let through.
+var<private> cloud_light: f32;
+#endif
+
 #ifdef LIGHT_MAP
 // The shares of the sun and of the sky by the place on the map.
 @group(1) @binding(22) var light_map: texture_2d<f32>;
@@ -166,9 +171,12 @@ fn read_light_map(p: vec2f) {
 // Blinn–Phong: `to_eye` and `normal` are unit vectors.
 fn lit(albedo: vec3f, normal: vec3f, to_eye: vec3f) -> vec3f {
 #ifdef SUNLIGHT
-    let towards_sun = sunlight * facing_sun(normal);
+    var towards_sun = sunlight * facing_sun(normal);
 #else
-    let towards_sun = facing_sun(normal);
+    var towards_sun = facing_sun(normal);
+#endif
+#ifdef CLOUD_SHADOWS
+    towards_sun *= cloud_light;
 #endif
 #ifdef OCCLUSION
     let ambient = terrain.ambient * sky_share;
@@ -185,6 +193,9 @@ fn lit(albedo: vec3f, normal: vec3f, to_eye: vec3f) -> vec3f {
         var highlight = vec3f(terrain.specular * pow(max(dot(normal, half_way), 0.0), terrain.shininess));
 #ifdef SUNLIGHT
         highlight *= sunlight;
+#endif
+#ifdef CLOUD_SHADOWS
+        highlight *= cloud_light;
 #endif
 #ifdef SKY_LIGHT
         highlight *= light::light.sun.rgb;

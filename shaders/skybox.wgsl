@@ -2,6 +2,10 @@
 // pixels that nothing covers are shaded.
 
 #import relief::frame::{frame, cube_corner}
+#ifdef FOG
+#import relief::frame::pixel_ray
+#import relief::air
+#endif
 
 // The six faces of the cube map: +x, −x, +y, −y, +z, −z. Not a cube texture: to filter across the edges of one, a
 // software rasteriser looks up each corner's face anew.
@@ -62,5 +66,10 @@ fn vs_main(@builtin(vertex_index) index: u32) -> Varyings {
 fn fs_main(in: Varyings) -> @location(0) vec4f {
     let uv = 0.5 + vec2f(dot(in.direction, in.across), dot(in.direction, in.down));
     let root = textureSampleLevel(sky, sky_sampler, uv, in.face, 0.0).rgb;
+#ifdef FOG
+    let fog = air::veil_of_sky(pixel_ray(in.position.xy).direction);
+    return vec4f(air::dithered(root * root * fog.passes + fog.light, in.position.xy), 1.0);
+#else
     return vec4f(root * root, 1.0);
+#endif
 }

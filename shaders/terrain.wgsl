@@ -26,6 +26,9 @@
 #ifndef VIEW_POSITION
 #import relief::ground
 #endif
+#ifdef ATMOSPHERE
+#import relief::air
+#endif
 #ifdef VIEW_STEPS
 #import relief::heat_map::heat_map
 #endif
@@ -342,7 +345,11 @@ fn fs_main(in: varyings::Varyings) -> Fragment {
 #else
     let met = met_at(origin + direction * at, at == 0.0, span.axis, depth);
 #endif
-    return Fragment(vec4f(ground::colour(met, ray), 1.0), written);
+    var color = ground::colour(met, ray);
+#ifdef AIR
+    color = air::through(color, ray.direction, depth, met.point.y, in.position.xy);
+#endif
+    return Fragment(vec4f(color, 1.0), written);
 #endif
 }
 

@@ -24,6 +24,9 @@
 #import relief::ground
 #import relief::shading
 #endif
+#ifdef AIR
+#import relief::air
+#endif
 #import relief::waves
 #import relief::waves::water
 #ifdef WATER_OCCLUDER
@@ -398,6 +401,11 @@ fn fs_main(in: varyings::Varyings) -> Fragment {
 #else
 #ifdef WATER_FOAM
     color += foam * water.foam_light_and_bubbles.xyz;
+#endif
+#ifdef AIR
+    if !submerged {
+        color = air::through(color, eye_ray.direction, view_depth, origin.y, in.position.xy);
+    }
 #endif
     return Fragment(vec4f(color, 1.0), written);
 #endif

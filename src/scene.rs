@@ -3,6 +3,9 @@
 //! A [`Scene`] can be written to and read from TOML, so a picture can be made again. It knows neither GPU nor
 //! window. Every field has a default; a scene file names only what differs.
 
+pub mod air;
+pub mod clouds;
+pub mod flare;
 pub mod land;
 pub mod light;
 mod materials;
@@ -20,6 +23,9 @@ use crate::heightfield::{ConeKind, Crater, HeightField};
 use light::{Clock, Shadows, SkyModel};
 use sun::SunPlace;
 
+pub use air::AirSettings;
+pub use clouds::{CloudLayer, CloudSettings, CloudSource};
+pub use flare::FlareSettings;
 pub use land::{GroundColour, Hillshade, LandSettings};
 pub use ramp::Ramp;
 
@@ -50,6 +56,12 @@ pub struct Scene {
     pub lighting: LightingSettings,
     /// The skybox.
     pub skybox: SkyboxSettings,
+    /// Aerial perspective and fog.
+    pub air: AirSettings,
+    /// Clouds and their shadows.
+    pub clouds: CloudSettings,
+    /// What the sun does in a lens.
+    pub flare: FlareSettings,
     /// The cube that hides hills and is hidden by them.
     pub occluder: OccluderSettings,
     /// What to show instead of, or on top of, the shaded terrain.

@@ -167,7 +167,7 @@ fn nearest(word: &str, candidates: &[String]) -> Option<String> {
 /// The first field that is not, with its range.
 pub fn validate(scene: &Scene) -> Result<(), OutOfRange> {
     let Scene { terrain, camera, march, compare, diffuse, land, materials, .. } = scene;
-    let Scene { lighting, skybox, occluder, debug, craters, water, .. } = scene;
+    let Scene { lighting, skybox, occluder, debug, craters, water, air, clouds, flare, .. } = scene;
     if let Some(scale) = terrain.height_scale {
         check("terrain.height_scale", scale, HEIGHT_SCALES)?;
     }
@@ -199,6 +199,9 @@ pub fn validate(scene: &Scene) -> Result<(), OutOfRange> {
     check_clock(&lighting.clock)?;
     check("skybox.flattening", skybox.flattening, 0.01..=100.0)?;
     check("skybox.turbidity", skybox.turbidity, 1.7..=10.0)?;
+    air.validate()?;
+    clouds.validate()?;
+    flare.validate()?;
     for value in occluder.position.iter().flat_map(DVec3::to_array) {
         check("occluder.position", value, -FARTHEST..=FARTHEST)?;
     }

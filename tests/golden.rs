@@ -17,7 +17,7 @@ use relief::camera::NamedView;
 use relief::heightfield::{Crater, HeightField};
 use relief::scene::light::{Shadows, SkyModel};
 use relief::scene::{
-    ColourSource, CraterMode, DebugView, GroundColour, HeightFilter, Hillshade, Ramp, Scene, Technique,
+    CloudSource, ColourSource, CraterMode, DebugView, GroundColour, HeightFilter, Hillshade, Ramp, Scene, Technique,
 };
 
 /// Another version of the driver may round another way; more than this is another picture.
@@ -174,6 +174,44 @@ fn colour_cases(map: &HeightField, start: &Scene) -> Vec<Case> {
     ]
 }
 
+/// Fog, clouds, their shadows, and a flare.
+fn air_cases(map: &HeightField, start: &Scene) -> Vec<Case> {
+    // Below the lowest clouds, where the ground shows their shadows.
+    let below = |target| scene_from(map, [0.5, 1.25, 1.0], target, 75.0);
+    let cloudy = |scene: &mut Scene| (scene.clouds.enabled, scene.clouds.shadows) = (true, true);
+    let sky = |yaw: f64, pitch: f64| {
+        move |scene: &mut Scene| {
+            let camera = scene.camera.as_mut().unwrap();
+            (camera.yaw, camera.pitch) = (yaw, pitch);
+        }
+    };
+    vec![
+        case("air-perspective", start, |scene| {
+            (scene.air.perspective, scene.air.visibility) = (true, 40.0);
+            scene.skybox.model = SkyModel::Physical;
+        }),
+        case("air-fog", start, |scene| {
+            scene.air.fog = true;
+            (scene.air.fog_density, scene.air.fog_base, scene.air.fog_scale) = (1.5, 900.0, 150.0);
+            scene.occluder.enabled = true;
+        }),
+        case("clouds", &below([0.45, 1.2, 0.2]), cloudy),
+        case("clouds-from-above", start, |scene| {
+            cloudy(scene);
+            (scene.clouds.cover, scene.air.perspective) = (0.4, true);
+        }),
+        case("clouds-of-the-map", &below([0.9, 1.5, 0.5]), |scene| {
+            cloudy(scene);
+            (scene.clouds.source, scene.skybox.model) = (CloudSource::Map, SkyModel::Physical);
+        }),
+        case("flare", start, |scene| {
+            scene.flare.enabled = true;
+            (scene.lighting.sun_azimuth, scene.lighting.sun_elevation) = (350.0, 9.0);
+            sky(0.0, -6.0)(scene);
+        }),
+    ]
+}
+
 fn land_cases(map: &HeightField, start: &Scene) -> Vec<Case> {
     let (valley, down) = (scene_at(NamedView::Valley, map), scene_at(NamedView::Down, map));
     let ramp = |ramp| move |scene: &mut Scene| (scene.land.colour, scene.land.ramp) = (GroundColour::Ramp, ramp);
@@ -279,6 +317,7 @@ fn cases(map: &HeightField) -> Vec<Case> {
         .chain(thing_cases(map, &start))
         .chain(land_cases(map, &start))
         .chain(water_cases(map, &start))
+        .chain(air_cases(map, &start))
         .collect()
 }
 

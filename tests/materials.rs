@@ -218,12 +218,14 @@ fn everything_together_is_drawn() {
         scene.skybox.model = SkyModel::Physical;
         (scene.land.contours, scene.occluder.enabled) = (true, true);
         scene.water.enabled = true;
+        (scene.air.perspective, scene.air.fog, scene.flare.enabled) = (true, true, true);
+        (scene.clouds.enabled, scene.clouds.shadows) = (true, true);
         if let Some(camera) = scene.camera.as_mut().filter(|_| deep) {
             camera.fov = 1e-4;
         }
         renderer.draw(&scene, &target).unwrap();
         let defs = &renderer.ledger().shader_defs;
-        for def in ["MATERIALS", "SHADOWS", "SKY_LIGHT", "LAND_CONTOURS"] {
+        for def in ["MATERIALS", "SHADOWS", "SKY_LIGHT", "LAND_CONTOURS", "AERIAL", "FOG", "CLOUD_SHADOWS"] {
             assert!(defs.iter().any(|own| own == def), "{def} is not in {defs:?}");
         }
         assert_eq!(defs.iter().any(|def| def == "DEEP_ZOOM"), deep);

@@ -6,6 +6,8 @@ mod common;
 #[path = "toggles/change.rs"]
 mod change;
 
+#[path = "toggles/air.rs"]
+mod air;
 #[path = "toggles/compare.rs"]
 mod compare;
 #[path = "toggles/craters.rs"]

@@ -93,6 +93,9 @@ impl Viewer {
                 let state = if water.enabled { "on" } else { "off" };
                 self.show_hint(format!("Water: {state}"), now);
             }
+            Action::Air | Action::Fog | Action::Clouds | Action::CloudsMove | Action::Flare => {
+                self.act_on_air(action, now);
+            }
             Action::ExaggerateLess => self.step_exaggeration(graphics, false, now),
             Action::ExaggerateMore => self.step_exaggeration(graphics, true, now),
             Action::Probe => self.view.reading.probe = !self.view.reading.probe,
@@ -118,6 +121,41 @@ impl Viewer {
             // These are held: `key` has seen to them.
             Action::Forward | Action::Back | Action::Left | Action::Right | Action::Up | Action::Down => {}
         }
+    }
+
+    /// Flips a part of the air, and says what is now.
+    fn act_on_air(&mut self, action: Action, now: Instant) {
+        let (air, clouds) = (&mut self.scene.air, &mut self.scene.clouds);
+        let word = |on: bool| if on { "on" } else { "off" };
+        let says = match action {
+            Action::Air => {
+                air.perspective = !air.perspective;
+                format!("Aerial perspective: {}", word(air.perspective))
+            }
+            Action::Fog => {
+                air.fog = !air.fog;
+                format!("Fog: {}", word(air.fog))
+            }
+            Action::Clouds => {
+                (clouds.enabled, clouds.shadows) = match (clouds.enabled, clouds.shadows) {
+                    (false, _) => (true, false),
+                    (true, false) => (true, true),
+                    (true, true) => (false, false),
+                };
+                let shadows = if clouds.shadows { " with shadows" } else { "" };
+                format!("Clouds: {}{shadows}", word(clouds.enabled))
+            }
+            Action::CloudsMove => {
+                clouds.moving = !clouds.moving;
+                format!("Clouds {}", if clouds.moving { "move" } else { "stand still" })
+            }
+            _ => {
+                let flare = &mut self.scene.flare;
+                flare.enabled = !flare.enabled;
+                format!("Lens flare: {}", word(flare.enabled))
+            }
+        };
+        self.show_hint(says, now);
     }
 
     fn zoom_to(&mut self, zoom: f32, now: Instant) {

@@ -17,6 +17,11 @@ pub(crate) enum Action {
     PlayPath,
     Shadows,
     Water,
+    Air,
+    Fog,
+    Clouds,
+    CloudsMove,
+    Flare,
     ExaggerateLess,
     ExaggerateMore,
     Probe,
@@ -65,7 +70,7 @@ const fn always(action: Action, name: &'static str, default: &'static str, does:
 }
 
 /// All actions.
-pub(crate) const ACTIONS: [Entry; 36] = [
+pub(crate) const ACTIONS: [Entry; 41] = [
     row(Action::Forward, "forward", "W", "fly forward"),
     row(Action::Back, "back", "S", "fly back"),
     row(Action::Left, "left", "A", "fly left"),
@@ -80,6 +85,11 @@ pub(crate) const ACTIONS: [Entry; 36] = [
     row(Action::PlayPath, "play-path", "Space", "play the camera path, or stop it"),
     row(Action::Shadows, "shadows", "L", "shadows: off, hard, soft"),
     row(Action::Water, "water", "O", "water: a sea, or none"),
+    row(Action::Air, "air", "J", "aerial perspective"),
+    row(Action::Fog, "fog", "Shift+J", "fog in the valleys"),
+    row(Action::Clouds, "clouds", "N", "clouds: none, clouds, clouds and their shadows"),
+    row(Action::CloudsMove, "clouds-move", "Shift+N", "clouds move, or stand still"),
+    row(Action::Flare, "flare", "Shift+L", "lens flare"),
     row(
         Action::ExaggerateLess,
         "exaggerate-less",

@@ -202,6 +202,9 @@ fn stand_ins(wanted: &Scene, shown: &Scene) -> [Scene; 3] {
     (near.lighting.baked, near.lighting.occlusion) = (shown.lighting.baked, shown.lighting.occlusion);
     (near.diffuse.enabled, near.diffuse.source) = (shown.diffuse.enabled, shown.diffuse.source);
     near.materials.clone_from(&shown.materials);
+    (near.air.perspective, near.air.fog) = (shown.air.perspective, shown.air.fog);
+    (near.clouds.enabled, near.clouds.shadows) = (shown.clouds.enabled, shown.clouds.shadows);
+    near.flare.enabled = shown.flare.enabled;
     near.land.clone_from(&shown.land);
     near.water.clone_from(&shown.water);
     near.skybox.enabled = shown.skybox.enabled;

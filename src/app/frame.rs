@@ -121,6 +121,13 @@ impl Viewer {
         } else {
             None
         };
+        self.drifted = if self.clouds_move() {
+            let passed = now.saturating_duration_since(self.drifted.unwrap_or(now)).min(LONGEST_SPIN);
+            self.scene.clouds.run(passed.as_secs_f64());
+            Some(now)
+        } else {
+            None
+        };
         self.spun = if self.spins() {
             let passed = now.saturating_duration_since(self.spun.unwrap_or(now)).min(LONGEST_SPIN);
             let occluder = &mut self.scene.occluder;

@@ -62,6 +62,8 @@ pub(crate) struct ViewSettings {
     pub(crate) path: PathEditor,
     /// The point that was typed to be looked at; another one once the eye looks elsewhere.
     pub(crate) target: Option<DVec3>,
+    /// The layer of clouds whose settings the panel shows.
+    pub(crate) cloud_layer: usize,
 }
 
 impl Default for ViewSettings {
@@ -88,6 +90,7 @@ impl Default for ViewSettings {
             bookmarks: Bookmarks::default(),
             path: PathEditor::default(),
             target: None,
+            cloud_layer: 0,
         }
     }
 }

@@ -125,6 +125,8 @@ pub(crate) struct Viewer {
     pub(super) ran: Option<Instant>,
     /// The last turn of the occluder, while it spins.
     pub(super) spun: Option<Instant>,
+    /// The last time that clouds went on, while they move.
+    pub(super) drifted: Option<Instant>,
     /// The window is covered, as the window system says.
     pub(super) covered: bool,
     /// The surface has nothing to draw to, because nobody would see it.
@@ -216,6 +218,7 @@ impl Viewer {
             flowed: None,
             ran: None,
             spun: None,
+            drifted: None,
             covered: false,
             hidden: false,
             minimised_until: None,
@@ -319,13 +322,23 @@ impl Viewer {
 
     /// Whether every frame shows another picture than the last.
     pub(super) fn moves(&self) -> bool {
-        self.fly.is_moving() || self.journey.is_under_way() || self.spins() || self.sun_moves() || self.flows()
+        self.fly.is_moving()
+            || self.journey.is_under_way()
+            || self.spins()
+            || self.sun_moves()
+            || self.flows()
+            || self.clouds_move()
     }
 
     /// Whether the clock runs where something of the picture follows the sun.
     pub(super) fn sun_moves(&self) -> bool {
         let Scene { lighting, skybox, land, .. } = &self.scene;
         lighting.clock.runs() && (lighting.enabled || skybox.enabled || land.hillshade == Hillshade::Sun)
+    }
+
+    /// Whether clouds move where the picture shows them, or their shadows.
+    pub(super) fn clouds_move(&self) -> bool {
+        self.scene.clouds.runs() && crate::render::shows_air(&self.scene)
     }
 
     /// Whether steps per ray are wanted, and there is a picture to measure them for. What is being compiled may be for them.
@@ -583,6 +596,8 @@ pub(super) fn visible_part(scene: &Scene) -> Scene {
     let mut scene = scene.clone();
     (scene.craters.radius, scene.craters.depth, scene.craters.rim) = (radius, depth, rim);
     (scene.occluder.spin, scene.water.moving) = (0.0, false);
+    // Nor do the clocks of the clouds: only the moment.
+    (scene.clouds.moving, scene.clouds.rate) = (false, 0.0);
     // A clock that runs makes a coarser sky than one that stands.
     if !scene.lighting.clock.enabled {
         scene.lighting.clock.speed = 0.0;
@@ -597,6 +612,7 @@ pub(super) fn scene_of_picture(visible: &Scene, scene: &Scene) -> Scene {
     (shown.craters.radius, shown.craters.depth, shown.craters.rim) = (radius, depth, rim);
     (shown.occluder.spin, shown.water.moving) = (scene.occluder.spin, scene.water.moving);
     shown.lighting.clock.speed = scene.lighting.clock.speed;
+    (shown.clouds.moving, shown.clouds.rate) = (scene.clouds.moving, scene.clouds.rate);
     shown
 }
 
@@ -630,6 +646,7 @@ mod tests {
         let mut scene = Scene::default();
         scene.craters.radius = 0.2;
         (scene.occluder.spin, scene.water.moving) = (5.0, true);
+        (scene.clouds.moving, scene.clouds.rate) = (true, 7.0);
         assert_eq!(visible_part(&scene), visible_part(&Scene::default()));
         assert_eq!(scene_of_picture(&visible_part(&Scene::default()), &scene), scene);
         scene.craters.list.push(scene.craters.brush_at(0.5, 0.5));

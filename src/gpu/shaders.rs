@@ -17,11 +17,16 @@ macro_rules! embed {
 
 /// Every shader file, as compiled in.
 const EMBEDDED: &[(&str, &str)] = embed![
+    "air.wgsl",
     "anchor.wgsl",
     "beam.wgsl",
+    "cloud_layers.wgsl",
+    "cloud_shadow.wgsl",
+    "clouds.wgsl",
     "cones.wgsl",
     "cube.wgsl",
     "cube_faces.wgsl",
+    "flare.wgsl",
     "frame.wgsl",
     "ground.wgsl",
     "heightfield.wgsl",

@@ -4,21 +4,26 @@
 use glam::DVec3;
 use toml::Value;
 
+use super::air::AirUniform;
+use super::clouds::ShadowPlace;
 use super::cube::clip_corners;
 use super::frame::FrameUniform;
 use super::ground::Ground;
 use super::materials::MaterialsUniform;
+use super::sky_map::AirLight;
 use super::terrain::TerrainUniform;
-use super::{PreparedTerrain, RenderError, Renderer, occluder, terrain};
+use super::{PreparedTerrain, RenderError, Renderer, clouds, flare, occluder, terrain};
 use crate::camera::{Camera, NamedView};
 use crate::gpu::{Gpu, Target};
 use crate::heightfield::generate::{Kind, generate};
 use crate::heightfield::{Crater, EditedTerrain, HeightField};
+use crate::scene::air::Kilometres;
 use crate::scene::light::{Clock, Shadows, SkyModel};
 use crate::scene::{
-    ColourSource, CompareSettings, CraterMode, CraterSettings, DebugSettings, DebugView, DiffuseSettings, GroundColour,
-    HeightFilter, Hillshade, LandSettings, LevelUnit, LightingSettings, MarchSettings, MaterialSettings,
-    OccluderSettings, Ramp, Scene, SkyboxSettings, Technique, TerrainSettings, Water,
+    AirSettings, CloudLayer, CloudSettings, CloudSource, ColourSource, CompareSettings, CraterMode, CraterSettings,
+    DebugSettings, DebugView, DiffuseSettings, FlareSettings, GroundColour, HeightFilter, Hillshade, LandSettings,
+    LevelUnit, LightingSettings, MarchSettings, MaterialSettings, OccluderSettings, Ramp, Scene, SkyboxSettings,
+    Technique, TerrainSettings, Water,
 };
 use crate::scene_file;
 
@@ -97,6 +102,34 @@ fn full_scene() -> Scene {
             model: SkyModel::Physical,
             turbidity: 3.0,
         },
+        air: AirSettings {
+            perspective: true,
+            visibility: 40.0,
+            fog: true,
+            fog_density: 0.8,
+            fog_base: 100.0,
+            fog_scale: 300.0,
+            fog_glow: 0.5,
+        },
+        clouds: CloudSettings {
+            enabled: true,
+            source: CloudSource::Noise,
+            cover: 0.5,
+            shadows: true,
+            shadow_strength: 0.8,
+            time: 5.0,
+            moving: true,
+            rate: 30.0,
+            layers: vec![CloudLayer {
+                height: 3000.0,
+                cover: 0.5,
+                thickness: 3.0,
+                scale: 12.0,
+                speed: 10.0,
+                direction: 90.0,
+            }],
+        },
+        flare: FlareSettings { enabled: true, strength: 1.0 },
         occluder: OccluderSettings {
             enabled: true,
             position: Some(DVec3::new(0.5, 0.2, 0.5)),
@@ -207,6 +240,14 @@ fn assert_uniforms_are_sound(what: &str, scene: &Scene, ground: &Ground) {
     if let Some(materials) = MaterialsUniform::new(scene, ground, extent) {
         assert_sound(&format!("{what}: materials"), bytemuck::bytes_of(&materials), &[]);
     }
+    let (km, light) = (Kilometres::of(map, extent.y), AirLight::flat(glam::Vec3::splat(0.5)));
+    let mut air = AirUniform::new(scene, km, camera.eye.y, &light);
+    let place = ShadowPlace::new(scene, DVec3::ZERO, extent);
+    let layers = clouds::uniforms(scene, km, camera.eye.y, false, place, &mut air);
+    assert_sound(&format!("{what}: air"), bytemuck::bytes_of(&air), &[]);
+    assert_sound(&format!("{what}: clouds"), bytemuck::bytes_of(&layers), &[]);
+    let flare = flare::uniform(glam::DVec2::new(0.3, 0.4), size, glam::Vec3::ONE * scene.flare.strength as f32);
+    assert_sound(&format!("{what}: flare"), bytemuck::bytes_of(&flare), &[]);
     let world_from_cube = occluder::world_from_cube(&scene.occluder, map, extent);
     let clip = clip_corners(camera.clip_from_world(size), world_from_cube);
     let cube = occluder::uniform(&clip, world_from_cube, &scene.lighting);

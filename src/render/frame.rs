@@ -145,6 +145,28 @@ pub(super) fn uniform_entry<T>(binding: u32) -> wgpu::BindGroupLayoutEntry {
     }
 }
 
+/// A read-only storage buffer of so many bytes. Fragments of software rasterisers see few uniform buffers (`pipelines.rs`).
+pub(super) fn storage_buffer(gpu: &Gpu, label: &str, bytes: usize) -> wgpu::Buffer {
+    gpu.device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some(label),
+        size: bytes as u64,
+        usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    })
+}
+
+/// The layout entry of a read-only storage buffer that holds a `T`.
+pub(super) fn storage_entry<T>(binding: u32) -> wgpu::BindGroupLayoutEntry {
+    wgpu::BindGroupLayoutEntry {
+        ty: wgpu::BindingType::Buffer {
+            ty: wgpu::BufferBindingType::Storage { read_only: true },
+            has_dynamic_offset: false,
+            min_binding_size: std::num::NonZeroU64::new(size_of::<T>() as u64),
+        },
+        ..uniform_entry::<T>(binding)
+    }
+}
+
 /// The layout entry of a texture.
 pub(super) fn texture_entry(binding: u32, filterable: bool, layers: bool) -> wgpu::BindGroupLayoutEntry {
     wgpu::BindGroupLayoutEntry {

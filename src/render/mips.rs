@@ -170,6 +170,25 @@ impl Image {
         SampleRect { x: 0, y: 0, width: self.width, height: self.height }
     }
 
+    /// Mean linear light of the texels within a sixteenth of the image around a place, `u` and `v` 0 to 1.
+    pub(super) fn around(&self, u: f32, v: f32) -> glam::Vec3 {
+        let range = |at: f32, side: u32| {
+            let place = |at: f32| ((at * side as f32) as u32).min(side.saturating_sub(1));
+            place((at - 0.0625).max(0.0))..=place(at + 0.0625)
+        };
+        let (mut sum, mut count) = (glam::Vec3::ZERO, 0.0);
+        for y in range(v, self.height) {
+            for x in range(u, self.width) {
+                let first = (y as usize * self.width as usize + x as usize) * 4;
+                if let Some(&[r, g, b]) = self.rgba.get(first..first + 3) {
+                    sum += glam::Vec3::from([r, g, b].map(|byte| LINEAR[usize::from(byte)]));
+                    count += 1.0;
+                }
+            }
+        }
+        sum / f32::max(count, 1.0)
+    }
+
     /// Reads an image file whose channels are weights: one that the image does not have is 0. A grey image has one, red.
     ///
     /// # Errors

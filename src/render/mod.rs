@@ -3,16 +3,23 @@
 //! A frame draws the same unit cube for the terrain, its wireframe, the occluder and, last, the skybox. What is off or
 //! out of view has no pass, no texture and no instruction; the [`Ledger`] tells.
 
+mod air;
+#[cfg(test)]
+mod air_tests;
 mod anchor;
+mod atmosphere;
 #[cfg(test)]
 mod bad_numbers_tests;
 mod beam;
+mod cloud_pattern;
+mod clouds;
 mod compile;
 mod cones;
 mod cube;
 mod distances;
 mod drape;
 mod error;
+mod flare;
 mod frame;
 mod ground;
 mod heat_map;
@@ -50,6 +57,7 @@ use crate::heightfield::colour::Diffuse;
 use crate::heightfield::{EditedTerrain, HeightField};
 use crate::scene::{DebugView, Scene};
 
+pub(crate) use air::shows_air;
 pub use cones::ConeGround;
 pub use error::RenderError;
 pub use heat_map::{COVERS_SKY, ERROR_DECADES, SEE_THROUGH, SKY_BOTH, error_colour, heat_map_colour};
@@ -58,7 +66,9 @@ pub use probe::Probe;
 pub use water::{LegEnd, WaterPath};
 
 pub(crate) use anchor::Anchor;
+use atmosphere::Atmosphere;
 use beam::{Beams, Tiles};
+use clouds::Clouds;
 pub(crate) use compile::{Compilation, Compiled};
 use cube::Cube;
 use distances::ExactDistances;
@@ -96,6 +106,7 @@ pub struct Renderer {
     ground: Option<Ground>,
     drape: Option<Drape>,
     land: Land,
+    atmosphere: Atmosphere,
     materials: Option<Materials>,
     /// Read for the next picture.
     images: Images,
@@ -169,6 +180,7 @@ impl Renderer {
             ground: None,
             drape: None,
             land: Land::new(&gpu),
+            atmosphere: Atmosphere::new(&gpu),
             materials: None,
             images: Images::default(),
             skybox: None,
@@ -271,6 +283,7 @@ impl Renderer {
     ) -> Result<(), RenderError> {
         self.check_device()?;
         let passes = self.prepare(scene, target.size(), aim)?;
+        let over = self.air_draws(scene, passes.air, target)?;
         let mut encoder =
             self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("frame") });
         let bakes = !passes.light_map.is_empty();
@@ -278,9 +291,12 @@ impl Renderer {
             map.encode(&mut encoder, &self.frame, &passes.light_map, self.timer.writes(true, false));
         }
         self.baking = self.light_map.as_ref().filter(|_| bakes).and_then(LightMap::progress);
-        self.encode_beams(&mut encoder, &passes, self.timer.writes(!bakes, false));
+        // The first pass that is timed begins the frame.
+        self.encode_cloud_shadow(&mut encoder, &over, self.timer.writes(!bakes, false));
+        let begun = bakes || passes.air.shadow;
+        self.encode_beams(&mut encoder, &passes, self.timer.writes(!begun, false));
         if let Some(draw) = &passes.exact {
-            let first = passes.beams.is_none() && !bakes;
+            let first = passes.beams.is_none() && !begun;
             self.encode_exact(&mut encoder, draw, &target.depth_view, self.timer.writes(first, false));
         }
         let background = if scene.debug.view == DebugView::Error { heat_map::sky_both() } else { BACKGROUND };
@@ -295,7 +311,9 @@ impl Renderer {
                 label: Some("scene"),
                 color_attachments: &attachments,
                 depth_stencil_attachment: Some(clear_depth(&target.depth_view)),
-                timestamp_writes: self.timer.writes(passes.beams.is_none() && passes.exact.is_none() && !bakes, true),
+                timestamp_writes: self
+                    .timer
+                    .writes(passes.beams.is_none() && passes.exact.is_none() && !begun, !passes.air.any_over()),
                 occlusion_query_set: counter.map(probe::PixelCounter::queries),
                 multiview_mask: None,
             });
@@ -309,6 +327,9 @@ impl Renderer {
                     pass.end_occlusion_query();
                 }
             }
+        }
+        if passes.air.any_over() {
+            self.encode_over(&mut encoder, &over, target, self.timer.writes(false, true));
         }
         if let Some(counter) = counter {
             counter.resolve(&mut encoder);
@@ -428,10 +449,12 @@ impl Renderer {
         textures.extend(self.skybox.as_ref().map(Skybox::entry));
         textures.extend(self.beams.iter().flat_map(Beams::entries));
         textures.extend(self.light_map.as_ref().map(LightMap::entry));
+        textures.extend(self.atmosphere.clouds.iter().flat_map(Clouds::list));
         textures.extend(self.exact.as_ref().or(self.reference.as_ref()).map(ExactDistances::entry));
         textures.push(TextureEntry::of("picture", &target.color));
         textures.push(TextureEntry::of("depth", &target.depth));
         let baked = (!passes.light_map.is_empty()).then_some("light map").into_iter();
+        let baked = baked.chain(passes.air.shadow.then_some("cloud shadows"));
         let before = baked
             .chain(passes.beams.iter().flat_map(|_| Tiles::ALL.map(Tiles::name)))
             .chain(passes.exact.iter().map(|draw| draw.name));
@@ -439,8 +462,13 @@ impl Renderer {
         let terrain = passes.draws.iter().find(|draw| matches!(draw.name, "terrain" | "compare"));
         self.shown.clear();
         self.ledger = Ledger {
-            draws: (passes.draws.len() + before.len()) as u32,
-            passes: before.into_iter().chain(passes.draws.iter().map(|draw| draw.name)).map(str::to_owned).collect(),
+            draws: (passes.draws.len() + before.len() + passes.air.over().count()) as u32,
+            passes: before
+                .into_iter()
+                .chain(passes.draws.iter().map(|draw| draw.name))
+                .chain(passes.air.over())
+                .map(str::to_owned)
+                .collect(),
             pipelines: self.pipelines.names(),
             texture_bytes: textures.iter().map(|texture| texture.bytes).sum(),
             textures,

@@ -8,6 +8,7 @@ use crate::heightfield::HeightField;
 use crate::scene::light::Shadows;
 use crate::scene::{LightingSettings, OccluderSettings};
 
+use super::air::AirKey;
 use super::frame::{corner_sampler_entry, texture_entry, uniform_buffer, uniform_entry, without_subnormals};
 use super::light;
 use super::pipelines::{Built, PassDescription};
@@ -36,6 +37,8 @@ pub(super) struct OccluderKey {
     pub(super) holes: bool,
     /// There is a crater layer.
     pub(super) layered: bool,
+    /// The air between it and the eye, and clouds.
+    pub(super) air: AirKey,
 }
 
 impl OccluderKey {
@@ -63,7 +66,17 @@ pub(super) fn describe(key: OccluderKey) -> PassDescription {
         return PassDescription { defs: vec!["PROBE"], ..plain };
     }
     if !key.casts_shadows() {
-        return plain;
+        if !key.air.is_on() {
+            return plain;
+        }
+        let defs: Vec<_> = key.air.defs().collect();
+        return PassDescription {
+            name: format!("occluder [{}]", defs.join(" ")),
+            modules: plain.modules.into_iter().chain(key.air.modules()).collect(),
+            defs,
+            bindings: plain.bindings.into_iter().chain(key.air.bindings()).collect(),
+            ..plain
+        };
     }
     let mut bindings = vec![
         uniform_entry::<CubeUniform>(key.binding()),
@@ -74,6 +87,7 @@ pub(super) fn describe(key: OccluderKey) -> PassDescription {
         light::layout_entry(),
     ];
     bindings.extend(key.layered.then(|| texture_entry(4, false, false)));
+    bindings.extend(key.air.bindings());
     let defs: Vec<_> = [
         (true, "SHADOWS"),
         (true, "FROM_OUTSIDE"),
@@ -83,10 +97,12 @@ pub(super) fn describe(key: OccluderKey) -> PassDescription {
     ]
     .into_iter()
     .filter_map(|(on, def)| on.then_some(def))
+    .chain(key.air.defs())
     .collect();
+    let modules = ["frame.wgsl", "cube_faces.wgsl", "heightfield.wgsl", "pyramid.wgsl", "light.wgsl", "shadow.wgsl"];
     PassDescription {
         name: format!("occluder [{}]", defs.join(" ")),
-        modules: vec!["frame.wgsl", "cube_faces.wgsl", "heightfield.wgsl", "pyramid.wgsl", "light.wgsl", "shadow.wgsl"],
+        modules: modules.into_iter().chain(key.air.modules()).collect(),
         defs,
         bindings,
         ..plain

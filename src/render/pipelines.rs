@@ -6,13 +6,16 @@ use std::sync::Arc;
 
 use crate::gpu::{COLOR_FORMAT, DEPTH_COMPARE, DEPTH_FORMAT, Gpu, PROBE_FORMAT, ShaderError, ShaderSources};
 
+use super::air::AirKey;
 use super::beam::Tiles;
 use super::frame::FrameLayouts;
 use super::light_map::LightMapKey;
 use super::occluder::OccluderKey;
 use super::terrain::TerrainKey;
 use super::water::WaterKey;
-use super::{beam, heat_map, light, light_map, occluder, present, skybox, terrain, water, wireframe};
+use super::{
+    air, beam, clouds, flare, heat_map, light, light_map, occluder, present, skybox, terrain, water, wireframe,
+};
 
 /// Which pipeline: everything that decides what is compiled into it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -24,7 +27,12 @@ pub(super) enum PipelineKey {
     Wireframe,
     Occluder(OccluderKey),
     LightMap(LightMapKey),
-    Skybox,
+    /// With whether fog lies before it.
+    Skybox(bool),
+    /// The clouds over the picture, with the air before them.
+    Clouds(AirKey),
+    CloudShadow,
+    Flare,
     Present(wgpu::TextureFormat),
 }
 
@@ -37,7 +45,10 @@ impl PipelineKey {
             Self::Wireframe => wireframe::describe(),
             Self::Occluder(key) => occluder::describe(key),
             Self::LightMap(key) => light_map::describe(key),
-            Self::Skybox => skybox::describe(),
+            Self::Skybox(fog) => skybox::describe(fog),
+            Self::Clouds(air) => clouds::describe(air),
+            Self::CloudShadow => clouds::describe_shadow(),
+            Self::Flare => flare::describe(),
             Self::Present(format) => present::describe(format),
         }
     }
@@ -65,6 +76,8 @@ pub(super) struct PassDescription {
     pub(super) cull: Option<wgpu::Face>,
     /// Depth test, and whether depth is written; absent without a depth buffer.
     pub(super) depth: Option<(wgpu::CompareFunction, bool)>,
+    /// How it is mixed with what is there; absent: it takes its place.
+    pub(super) blend: Option<wgpu::BlendState>,
     pub(super) format: wgpu::TextureFormat,
     /// The channels it writes.
     pub(super) writes: wgpu::ColorWrites,
@@ -84,6 +97,7 @@ impl PassDescription {
             topology: wgpu::PrimitiveTopology::TriangleList,
             cull: None,
             depth: Some((DEPTH_COMPARE, true)),
+            blend: None,
             format: if probe { PROBE_FORMAT } else { COLOR_FORMAT },
             writes: wgpu::ColorWrites::ALL,
         }
@@ -103,7 +117,14 @@ pub(super) struct Built {
 
 /// The embedded shaders, with the modules that are made from Rust values.
 pub(super) fn sources() -> ShaderSources {
-    ShaderSources::embedded(vec![("beam", beam::wgsl()), ("heat_map", heat_map::wgsl()), ("sun", light::wgsl())])
+    ShaderSources::embedded(vec![
+        ("beam", beam::wgsl()),
+        ("heat_map", heat_map::wgsl()),
+        ("sun", light::wgsl()),
+        ("air_constants", air::wgsl()),
+        ("cloud_constants", clouds::wgsl()),
+        ("flare_constants", flare::wgsl()),
+    ])
 }
 
 /// All pipelines alive.
@@ -233,7 +254,11 @@ pub(super) fn build(
             module: &shader,
             entry_point: Some("fs_main"),
             compilation_options: wgpu::PipelineCompilationOptions::default(),
-            targets: &[Some(wgpu::ColorTargetState { format: pass.format, blend: None, write_mask: pass.writes })],
+            targets: &[Some(wgpu::ColorTargetState {
+                format: pass.format,
+                blend: pass.blend,
+                write_mask: pass.writes,
+            })],
         }),
         multiview_mask: None,
         cache: None,

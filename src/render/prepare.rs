@@ -10,7 +10,9 @@ use crate::scene::light::Shadows;
 use crate::scene::{CraterMode, DebugView, Scene};
 use crate::scene_file;
 
+use super::air::AirKey;
 use super::anchor::{self, Anchor, AnchorUniform};
+use super::atmosphere::{self, AirPasses};
 use super::beam::{BeamPass, Beams, Tiles};
 use super::compile::Compilation;
 use super::cones::ConeGround;
@@ -48,6 +50,8 @@ pub(super) struct Passes {
     pub(super) exact: Option<Draw>,
     /// Draws of the scene's pass, in their order.
     pub(super) draws: Vec<Draw>,
+    /// What air, clouds and sun draw before and after.
+    pub(super) air: AirPasses,
     /// What the rays of the exact technique count from, in a deep zoom; else empty.
     pub(super) anchors: Vec<Anchor>,
 }
@@ -144,6 +148,7 @@ impl Renderer {
         let anchored = terrains.iter().map(|(_, key)| key).chain(&exact).any(|key| key.deep);
         let anchors = if anchored { self.prepare_anchors(scene, &view, size) } else { Vec::new() };
 
+        let air = self.prepare_air(scene, &view, size, probe);
         let light_map = if bakes { self.light_map_passes()? } else { Vec::new() };
         let mut draws = Vec::new();
         for (side, key) in terrains {
@@ -170,14 +175,15 @@ impl Renderer {
             draws.extend(self.occluder_draw(scene, &view, whole, probe)?);
         }
         if !probe && let Some(skybox) = &self.skybox {
-            let built = self.pipelines.get(&self.gpu, &self.frame.layout, PipelineKey::Skybox)?;
-            let group = skybox.group(&self.gpu, &built);
+            let fog = AirKey::of(scene).of_sky().fog;
+            let built = self.pipelines.get(&self.gpu, &self.frame.layout, PipelineKey::Skybox(fog))?;
+            let group = skybox.group(&self.gpu, &built, &self.atmosphere, fog);
             draws.push(Draw { name: "skybox", built, group, edges: false, area: whole });
         }
         if !probe {
             self.images.clear();
         }
-        Ok(Passes { light_map, beams, exact, draws, anchors })
+        Ok(Passes { light_map, beams, exact, draws, air, anchors })
     }
 
     /// Finds what the rays of a deep zoom count from, and hands it to the terrain pass.
@@ -299,7 +305,10 @@ impl Renderer {
             }
         }
         if scene.skybox.enabled && scene.debug.view != DebugView::Error && !probe {
-            keys.push(PipelineKey::Skybox);
+            keys.push(PipelineKey::Skybox(AirKey::of(scene).fog));
+        }
+        if !probe && self.ground.is_some() {
+            keys.extend(atmosphere::pipelines_of(scene));
         }
         Some(keys)
     }
@@ -425,6 +434,7 @@ impl Renderer {
             drape: self.drape.as_ref(),
             land: &self.land,
             materials: self.materials.as_ref(),
+            atmosphere: &self.atmosphere,
             beams: self.beams.as_ref(),
             light_map: self.light_map.as_ref(),
             given: if let Aim::Given(distances) = aim { Some(distances) } else { None },
@@ -472,6 +482,8 @@ impl Renderer {
             let Some(shadow) = self.terrain.shadow_entries(ground, &self.terrain.light) else { return Ok(None) };
             entries = shadow;
         }
+        let Some(air) = self.atmosphere.entries(key.air) else { return Ok(None) };
+        entries.extend(air);
         let group = self.occluder.prepare(&self.gpu, &built, key, &uniform, entries);
         Ok(Some(Draw { name: "occluder", built, group, edges: false, area }))
     }
@@ -482,7 +494,8 @@ fn occluder_key(scene: &Scene, ground: &Ground, probe: bool) -> OccluderKey {
     let light = if probe { LightKey::default() } else { LightKey::of(scene) };
     let casts = light.shadows != Shadows::Off;
     let layered = casts && is_layered(scene);
-    OccluderKey { probe, shadows: light.shadows, holes: casts && ground.has_holes(), layered }
+    let air = if probe { AirKey::default() } else { AirKey::of(scene) };
+    OccluderKey { probe, shadows: light.shadows, holes: casts && ground.has_holes(), layered, air }
 }
 
 fn is_layered(scene: &Scene) -> bool {

@@ -118,18 +118,105 @@ impl Physical {
 /// Angular radius of the physical sun's disc in degrees; the true one is 0.27°.
 const PHYSICAL_SUN: f32 = 0.4;
 
+/// The painted sky's horizon away from the sun, how low the sun stands, 0 to 1, and how bright the day is.
+fn painted(sun: Vec3) -> (Vec3, f32, f32) {
+    let low_sun = 1.0 - sun.y.clamp(0.0, 0.5) * 2.0;
+    let day = ((sun.y + 0.1) * 5.0).clamp(0.06, 1.0);
+    let horizon = Vec3::new(0.62, 0.72, 0.82).lerp(Vec3::new(0.86, 0.62, 0.42), low_sun * low_sun * 0.7);
+    (horizon, low_sun, day)
+}
+
+/// The painted sky without sun and hills, before the day dims it.
+fn gradient(sun: Vec3, direction: Vec3) -> Vec3 {
+    let (horizon, low_sun, _) = painted(sun);
+    let zenith = Vec3::new(0.10, 0.27, 0.62);
+    let height = direction.y.max(0.0);
+    let light = horizon.lerp(zenith, 1.0 - (1.0 - height).powi(4));
+    let towards_sun = direction.dot(sun);
+    let glow = Vec3::new(1.0, 0.86, 0.62);
+    light + glow * (0.35 * towards_sun.max(0.0).powi(24) + 0.12 * towards_sun.max(0.0).powi(4) * low_sun)
+}
+
+/// What a sky lights the air and the clouds with, linear light as a picture shows it.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct AirLight {
+    /// Of the sky at the horizon, by direction.
+    pub(super) horizon: Vec<Vec3>,
+    /// Of the sun, and of the sky from above.
+    pub(super) sun: Vec3,
+    pub(super) sky: Vec3,
+    /// Light is to be exposed, as that of the physical sky is.
+    pub(super) exposed: bool,
+}
+
+impl AirLight {
+    /// That of one colour all around.
+    pub(super) fn flat(colour: Vec3) -> Self {
+        Self { horizon: vec![colour; HORIZON], sun: Vec3::new(0.95, 0.9, 0.8), sky: colour, exposed: false }
+    }
+
+    /// That of `sky`.
+    pub(super) fn of(sky: &Sky) -> Self {
+        let directions = (0..HORIZON).map(horizon_direction);
+        if let Some(turbidity) = sky.turbidity {
+            let physical = Physical::new(sky.sun, turbidity);
+            let shown = |direction: Vec3| {
+                let light = physical.sky.sky(direction.as_dvec3()) * physical.light.exposure;
+                Vec3::ONE - (-light.as_vec3()).exp()
+            };
+            let above = physical.sky.sky(DVec3::Y) * physical.light.exposure;
+            return Self {
+                horizon: directions.map(shown).collect(),
+                sun: physical.light.sun.as_vec3(),
+                sky: above.as_vec3(),
+                exposed: true,
+            };
+        }
+        let (horizon, low_sun, day) = painted(sky.sun);
+        let sun = Vec3::new(1.0, 0.95, 0.86).lerp(Vec3::new(1.0, 0.58, 0.30), low_sun.powi(4));
+        Self {
+            horizon: directions.map(|direction| gradient(sky.sun, direction) * day).collect(),
+            sun: sun * ((sky.sun.y + 0.06) * 9.0).clamp(0.0, 1.0),
+            sky: gradient(sky.sun, Vec3::Y).lerp(horizon, 0.55) * day,
+            exposed: false,
+        }
+    }
+
+    /// That of six images: their middle rows, which lie at the horizon.
+    pub(super) fn of_images(faces: &[Image]) -> Self {
+        let shown = |index| {
+            let direction: Vec3 = horizon_direction(index);
+            let (face, across) = match direction.x.abs() > direction.z.abs() {
+                true if direction.x > 0.0 => (0, -direction.z / direction.x),
+                true => (1, -direction.z / direction.x),
+                false if direction.z > 0.0 => (4, direction.x / direction.z),
+                false => (5, direction.x / direction.z),
+            };
+            faces.get(face).map_or(Vec3::ZERO, |face| face.around(0.5 + 0.5 * across, 0.5))
+        };
+        let horizon: Vec<Vec3> = (0..HORIZON).map(shown).collect();
+        let mean = horizon.iter().sum::<Vec3>() / HORIZON as f32;
+        Self { horizon, sky: mean, ..Self::flat(mean) }
+    }
+}
+
+/// Directions in which the light of the horizon is known.
+pub(super) const HORIZON: usize = 128;
+
+/// The direction of an entry: evenly around a square that stands on a corner, so that a shader finds it without an angle.
+fn horizon_direction(index: usize) -> Vec3 {
+    let turn = 4.0 * index as f32 / HORIZON as f32;
+    let (x, z) =
+        if turn < 2.0 { (1.0 - turn, 1.0 - (1.0 - turn).abs()) } else { (turn - 3.0, (turn - 3.0).abs() - 1.0) };
+    let length = x.hypot(z);
+    Vec3::new(x / length, 0.0, z / length)
+}
+
 /// Linear light from `direction` (unit length).
 fn colour(sky: &Sky, direction: Vec3) -> Vec3 {
-    let low_sun = 1.0 - sky.sun.y.clamp(0.0, 0.5) * 2.0;
-    let day = ((sky.sun.y + 0.1) * 5.0).clamp(0.06, 1.0);
-    let zenith = Vec3::new(0.10, 0.27, 0.62);
-    let horizon = Vec3::new(0.62, 0.72, 0.82).lerp(Vec3::new(0.86, 0.62, 0.42), low_sun * low_sun * 0.7);
-    let height = direction.y.max(0.0);
-    let mut light = horizon.lerp(zenith, 1.0 - (1.0 - height).powi(4));
-
+    let (horizon, _, day) = painted(sky.sun);
+    let mut light = gradient(sky.sun, direction);
     let towards_sun = direction.dot(sky.sun);
-    let glow = Vec3::new(1.0, 0.86, 0.62);
-    light += glow * (0.35 * towards_sun.max(0.0).powi(24) + 0.12 * towards_sun.max(0.0).powi(4) * low_sun);
     let edge = SUN_RADIUS.to_radians().cos();
     let soft = (1.35 * SUN_RADIUS).to_radians().cos();
     let disc = ((towards_sun - soft) / (edge - soft)).clamp(0.0, 1.0);

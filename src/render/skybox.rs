@@ -6,23 +6,42 @@ use crate::gpu::{DEPTH_CLEAR, Gpu};
 use crate::scene::Scene;
 
 use super::RenderError;
+use super::air::AirKey;
+use super::atmosphere::Atmosphere;
 use super::frame::{sampler_entry, texture_entry};
 use super::images::{Images, Purpose};
 use super::ledger::TextureEntry;
 use super::mips::{self, Image};
 use super::pipelines::{Built, PassDescription};
-use super::sky_map::{self, Sky};
+use super::sky_map::{self, AirLight, Sky};
 use super::terrain::bind;
 
-pub(super) fn describe() -> PassDescription {
+/// With fog before it or without.
+pub(super) fn describe(fog: bool) -> PassDescription {
     // Equal to the clear value: what anything covers is not shaded.
     const { assert!(DEPTH_CLEAR == 0.0, "skybox.wgsl places the box at depth 0") };
-    PassDescription {
+    let air = sky_key(fog);
+    let plain = PassDescription {
         bindings: vec![texture_entry(0, true, true), sampler_entry(1)],
         cull: Some(wgpu::Face::Front),
         depth: Some((wgpu::CompareFunction::Equal, false)),
         ..PassDescription::scene("skybox", "skybox.wgsl", false)
+    };
+    if !fog {
+        return plain;
     }
+    PassDescription {
+        name: "skybox [FOG]".into(),
+        modules: plain.modules.into_iter().chain(air.modules()).collect(),
+        defs: air.defs().collect(),
+        bindings: plain.bindings.into_iter().chain(air.bindings()).collect(),
+        ..plain
+    }
+}
+
+/// What of the air lies before a sky.
+fn sky_key(fog: bool) -> AirKey {
+    AirKey { fog, ..AirKey::default() }
 }
 
 /// What a cube map was made from.
@@ -52,6 +71,7 @@ pub(super) struct Skybox {
     texture: wgpu::Texture,
     view: wgpu::TextureView,
     sampler: wgpu::Sampler,
+    light: AirLight,
 }
 
 impl Skybox {
@@ -61,6 +81,10 @@ impl Skybox {
         let faces = match &source {
             Source::Procedural(sky) => sky_map::faces(sky),
             Source::Files(files) => read_faces(files, gpu.capabilities.max_texture, images)?,
+        };
+        let light = match &source {
+            Source::Procedural(sky) => AirLight::of(sky),
+            Source::Files(_) => AirLight::of_images(&faces),
         };
         let side = faces.first().map_or(1, |face| face.width);
         let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
@@ -85,7 +109,7 @@ impl Skybox {
             min_filter: wgpu::FilterMode::Linear,
             ..Default::default()
         });
-        Ok((Self { source, texture, view, sampler }, uploaded))
+        Ok((Self { source, texture, view, sampler, light }, uploaded))
     }
 
     /// Whether this is still the map that `scene` asks for.
@@ -93,13 +117,21 @@ impl Skybox {
         self.source == Source::of(scene)
     }
 
-    pub(super) fn group(&self, gpu: &Gpu, built: &Built) -> wgpu::BindGroup {
-        bind(gpu, built, (0..).zip(self.entries()).collect())
+    /// The bind group of `built`, with fog before the sky or without.
+    pub(super) fn group(&self, gpu: &Gpu, built: &Built, atmosphere: &Atmosphere, fog: bool) -> wgpu::BindGroup {
+        let mut entries: Vec<_> = (0..).zip(self.entries()).collect();
+        entries.extend(atmosphere.entries(sky_key(fog)).unwrap_or_default());
+        bind(gpu, built, entries)
     }
 
     /// The map and its sampler, for any pass that looks at the sky.
     pub(super) fn entries(&self) -> [wgpu::BindingResource<'_>; 2] {
         [wgpu::BindingResource::TextureView(&self.view), wgpu::BindingResource::Sampler(&self.sampler)]
+    }
+
+    /// What it lights the air with.
+    pub(super) fn light(&self) -> AirLight {
+        self.light.clone()
     }
 
     pub(super) fn entry(&self) -> TextureEntry {

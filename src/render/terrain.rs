@@ -6,6 +6,7 @@ use crate::camera::Camera;
 use crate::gpu::Gpu;
 
 use super::anchor::{AnchorUniform, MOST_ANCHORS};
+use super::atmosphere::Atmosphere;
 use super::beam::{Beams, Tiles};
 use super::cube::corner;
 use super::drape::Drape;
@@ -57,6 +58,7 @@ pub(super) fn describe(key: TerrainKey) -> PassDescription {
     if key.light.needs_map() {
         bindings.extend(light_map::layout_entries());
     }
+    modules.extend(key.air.modules());
     modules.extend(GROUND_MODULES);
     if key.marches() {
         modules.push("sampling.wgsl");
@@ -93,6 +95,7 @@ pub(super) fn describe(key: TerrainKey) -> PassDescription {
     if key.diffuse {
         bindings.extend([texture_entry(5, true, false), sampler_entry(6)]);
     }
+    bindings.extend(key.air.bindings());
     bindings.extend(key.land.bindings());
     if key.materials.on {
         bindings.extend(materials::layout_entries(key.materials));
@@ -154,6 +157,7 @@ pub(super) struct Textures<'a> {
     pub(super) drape: Option<&'a Drape>,
     pub(super) land: &'a Land,
     pub(super) materials: Option<&'a Materials>,
+    pub(super) atmosphere: &'a Atmosphere,
     pub(super) beams: Option<&'a Beams>,
     pub(super) light_map: Option<&'a LightMap>,
     /// Distances to read instead of casting rays.
@@ -255,7 +259,7 @@ impl TerrainBindings {
         repeats: f32,
         textures: &Textures<'a>,
     ) -> Option<Vec<(u32, wgpu::BindingResource<'a>)>> {
-        let &Textures { ground, drape, land, materials, light_map, given, exact, .. } = textures;
+        let &Textures { ground, drape, land, materials, atmosphere, light_map, given, exact, .. } = textures;
         let view = wgpu::BindingResource::TextureView;
         let mut entries = vec![(0, uniform.as_entire_binding())];
         if key.given {
@@ -292,6 +296,7 @@ impl TerrainBindings {
             let sampler = if repeats > 1.0 { &self.repeated } else { &self.clamped };
             entries.extend([(5, view(drape?.view()?)), (6, wgpu::BindingResource::Sampler(sampler))]);
         }
+        entries.extend(atmosphere.entries(key.air)?);
         entries.extend(land.entries(key.land)?);
         if key.materials.on {
             entries.extend(materials?.entries(key.materials)?);

@@ -1,5 +1,6 @@
 //! Which pipeline a scene needs for its terrain.
 
+use super::air::AirKey;
 use super::land::LandKey;
 use crate::heightfield::ConeKind;
 use crate::scene::{ColourSource, CraterMode, DebugView, HeightFilter, Scene, Technique};
@@ -42,6 +43,8 @@ pub(super) struct TerrainKey {
     pub(super) land: LandKey,
     /// What the light adds.
     pub(super) light: LightKey,
+    /// What the air adds.
+    pub(super) air: AirKey,
     pub(super) output: Output,
 }
 
@@ -81,6 +84,13 @@ impl TerrainKey {
             deep: false,
             counts: false,
             light: if shaded && !land.lights_ground() { LightKey::of(scene) } else { LightKey::default() },
+            air: if !shaded {
+                AirKey::default()
+            } else if scene.lighting.enabled && !land.lights_ground() {
+                AirKey::of(scene)
+            } else {
+                AirKey::of(scene).unlit()
+            },
             land,
             output,
         };
@@ -195,6 +205,7 @@ impl TerrainKey {
             counts: false,
             land: LandKey::default(),
             light: LightKey::default(),
+            air: AirKey::default(),
             output: Output::View(DebugView::Position),
         }
     }
@@ -255,9 +266,23 @@ impl TerrainKey {
                 keys.extend(all);
             }
         }
+        keys.extend(Self::some_with_air());
         keys.extend(Self::some_with_materials());
         keys.extend(Self::some_of_the_smooth_surface());
         keys.into_iter().collect()
+    }
+
+    /// Each kind of air over a few grounds and lights.
+    #[cfg(test)]
+    fn some_with_air() -> impl Iterator<Item = Self> {
+        let mut scene = Scene::default();
+        let base = Self::of(&scene, false);
+        scene.lighting.enabled = false;
+        let unlit = Self::of(&scene, false);
+        let full = Self { light: LightKey::all()[3], ..base };
+        let bases = [base, base.in_a_deep_zoom(true), base.over_holes(true), base.with_given_distances(), full];
+        let lit = bases.into_iter().flat_map(|base| AirKey::all().map(|air| Self { air, ..base }));
+        lit.chain(AirKey::all().map(move |air| Self { air: air.unlit(), ..unlit }))
     }
 
     /// Each way to paint materials, under a few of the ways to find and light the ground.
@@ -331,7 +356,11 @@ impl TerrainKey {
             (self.output == Output::View(DebugView::Distance), "VIEW_DISTANCE"),
         ];
         let own = own.into_iter().filter_map(|(on, def)| on.then_some(def));
-        own.chain(self.land.defs()).chain(self.light.defs()).chain(self.materials.defs()).collect()
+        own.chain(self.air.defs())
+            .chain(self.land.defs())
+            .chain(self.light.defs())
+            .chain(self.materials.defs())
+            .collect()
     }
 
     pub(super) fn march_file(&self) -> &'static str {

@@ -5,8 +5,11 @@ use std::mem::offset_of;
 
 use glam::{DVec2, DVec3, DVec4};
 
+use super::air::{AirKey, AirUniform};
 use super::anchor::AnchorUniform;
+use super::clouds::{CloudsUniform, LayerUniform};
 use super::cube::{clip_corners, in_view};
+use super::flare::{FlareUniform, GhostUniform};
 use super::frame::FrameUniform;
 use super::light::{LightKey, LightUniform};
 use super::light_map::LightMapKey;
@@ -179,6 +182,36 @@ fn rust_and_wgsl_agree_on_every_uniform() {
             waves,
         ]
     );
+    let pass = terrain::describe(TerrainKey { air: AirKey::all()[0], ..key });
+    let module = sources().compose(pass.file, &pass.modules, &pass.defs).unwrap();
+    assert_layout!(
+        &module,
+        "Air",
+        AirUniform,
+        [
+            kilometres,
+            molecules,
+            haze,
+            fog,
+            fog_light,
+            sun,
+            sun_light,
+            sky_light,
+            mean,
+            shadow_place,
+            shadow_shear,
+            shadow_levels,
+            horizon
+        ]
+    );
+    let pass = clouds::describe_shadow();
+    let module = sources().compose(pass.file, &pass.modules, &pass.defs).unwrap();
+    assert_layout!(&module, "Clouds", CloudsUniform, [layers, count, shadow, order, sun]);
+    assert_layout!(&module, "CloudLayer", LayerUniform, [shape, first, second, offsets]);
+    let pass = flare::describe();
+    let module = sources().compose(pass.file, &pass.modules, &pass.defs).unwrap();
+    assert_layout!(&module, "Flare", FlareUniform, [ghosts]);
+    assert_layout!(&module, "Ghost", GhostUniform, [place, light]);
     let pass = occluder::describe(OccluderKey::default());
     let module = sources().compose(pass.file, &pass.modules, &pass.defs).unwrap();
     assert_layout!(&module, "Cube", CubeUniform, [clip, sun, ambient]);
@@ -201,13 +234,23 @@ fn every_reachable_pipeline_builds_and_binds_just_what_its_shader_uses() {
         PipelineKey::Wireframe,
         PipelineKey::Occluder(OccluderKey::default()),
         PipelineKey::Occluder(OccluderKey { probe: true, ..OccluderKey::default() }),
-        PipelineKey::Skybox,
+        PipelineKey::Skybox(false),
+        PipelineKey::Skybox(true),
+        PipelineKey::CloudShadow,
+        PipelineKey::Flare,
+        PipelineKey::Clouds(AirKey::default()),
         PipelineKey::Present(wgpu::TextureFormat::Bgra8Unorm),
         PipelineKey::Present(COLOR_FORMAT),
     ]);
     for shadows in [Shadows::Hard, Shadows::Soft] {
         for (holes, layered) in [(false, false), (true, false), (true, true)] {
-            all.push(PipelineKey::Occluder(OccluderKey { probe: false, shadows, holes, layered }));
+            all.push(PipelineKey::Occluder(OccluderKey { shadows, holes, layered, ..OccluderKey::default() }));
+        }
+    }
+    for air in AirKey::all() {
+        all.push(PipelineKey::Clouds(air.unlit()));
+        for shadows in [Shadows::Off, Shadows::Soft] {
+            all.push(PipelineKey::Occluder(OccluderKey { air, shadows, ..OccluderKey::default() }));
         }
     }
     let baking = LightKey::all().into_iter().filter(|light| light.needs_map());

@@ -323,6 +323,7 @@ impl Renderer {
             drape: self.drape.as_ref(),
             land: &self.land,
             materials: self.materials.as_ref(),
+            atmosphere: &self.atmosphere,
             beams: None,
             light_map: self.light_map.as_ref(),
             given: None,

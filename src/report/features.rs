@@ -49,6 +49,9 @@ fn craters(job: &Job) -> Vec<Crater> {
     (0..10).map(|index| crater(place(index))).collect()
 }
 
+/// The flare's row.
+const FLARE: &str = "lens flare, the sun in the picture's upper third";
+
 /// A feature's name, its figure of 2009, and what it changes in the base frame.
 type Change<'a> = (&'static str, Option<f64>, &'a dyn Fn(&mut Scene));
 
@@ -61,9 +64,10 @@ fn variants(job: &Job, scene: &Scene, able: &[Technique]) -> Vec<(String, Scene,
     (base.lighting.baked, base.lighting.occlusion) = (false, false);
     base.skybox.model = SkyModel::Painted;
     base.water = Water::default();
+    (base.air, base.clouds, base.flare) = Default::default();
     (base.land, base.diffuse.source) = (LandSettings::default(), ColourSource::Texture);
     let list = craters(job);
-    let changes: [Change<'_>; 24] = [
+    let changes: [Change<'_>; 29] = [
         ("base frame", None, &|_| {}),
         ("without halvings", None, &|scene| scene.march.binary_steps = 0),
         ("fixed steps (512) instead of by angle", None, &|scene| scene.march.steps_by_angle = false),
@@ -91,6 +95,16 @@ fn variants(job: &Job, scene: &Scene, able: &[Technique]) -> Vec<(String, Scene,
         ("light of a physical sky", None, &|scene| {
             (scene.skybox.enabled, scene.skybox.model) = (true, SkyModel::Physical);
         }),
+        ("aerial perspective", None, &|scene| scene.air.perspective = true),
+        ("height fog", None, &|scene| {
+            scene.air.fog = true;
+            scene.air.fog_base = job.map.range()[0];
+        }),
+        ("clouds (five layers)", None, &|scene| scene.clouds.enabled = true),
+        ("clouds (five layers) and their shadows", None, &|scene| {
+            (scene.clouds.enabled, scene.clouds.shadows) = (true, true);
+        }),
+        (FLARE, None, &|scene| (scene.flare.enabled, scene.skybox.enabled) = (true, true)),
         ("materials instead of a diffuse texture", None, &|scene| {
             (scene.diffuse.enabled, scene.diffuse.source) = (true, ColourSource::Materials);
         }),
@@ -149,6 +163,10 @@ pub(super) fn measure(
         }
         for (_, scene, _) in &mut variants {
             scene.camera = Some(*camera);
+            if scene.flare.enabled {
+                scene.lighting.sun_azimuth = camera.yaw as f32;
+                scene.lighting.sun_elevation = (camera.pitch + 0.35 * camera.fov).clamp(1.0, 80.0) as f32;
+            }
         }
         let share = |done: f64| (index as f64 + done) / views as f64;
         let times = view_times(studio, job, &variants, budget_s, left_out, &|done| tell(share(done)))?;

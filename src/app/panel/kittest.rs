@@ -204,6 +204,9 @@ const STATES: [fn(&mut State); 3] = [
         state.view.paths.coverage = "b.png".into();
         state.scene.lighting.shadows = Shadows::Hard;
         (state.scene.water.enabled, state.scene.water.level) = (true, Some(0.6));
+        (state.scene.air.perspective, state.scene.air.fog, state.scene.flare.enabled) = (true, true, true);
+        (state.scene.clouds.enabled, state.scene.clouds.shadows) = (true, true);
+        state.scene.clouds.layers.pop();
     },
 ];
 

@@ -1,7 +1,9 @@
 //! The panel: one collapsible section per part of the scene, one file each, named alike.
 
+mod air;
 mod bookmarks;
 mod camera;
+mod clouds;
 mod compare;
 mod craters;
 mod debug;
@@ -55,7 +57,7 @@ pub(crate) struct Panel<'a> {
 type Section = (&'static str, fn(&mut egui::Ui, &mut Panel<'_>));
 
 /// All sections from top to bottom.
-const SECTIONS: [Section; 23] = [
+const SECTIONS: [Section; 25] = [
     ("Files", files::show),
     ("Terrain", terrain::show),
     ("Import", import::show),
@@ -70,6 +72,8 @@ const SECTIONS: [Section; 23] = [
     ("Materials", materials::show),
     ("Skybox", skybox::show),
     ("Sun", sun::show),
+    ("Air", air::show),
+    ("Clouds", clouds::show),
     ("Occluder", occluder::show),
     ("Water", water::show),
     ("Craters", craters::show),

@@ -5,7 +5,7 @@
 
 mod coverage;
 mod key;
-mod noise;
+pub(super) mod noise;
 mod synthesis;
 mod uniform;
 

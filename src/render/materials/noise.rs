@@ -45,7 +45,7 @@ pub(super) fn gradient(seed: u32, periods: [u32; 2], [u, v]: [f32; 2]) -> f32 {
 }
 
 /// Octaves of gradient noise, each twice as fine and `gain` as high as the one before; about −1 to 1.
-pub(super) fn fractal(seed: u32, periods: [u32; 2], octaves: u32, gain: f32, at: [f32; 2]) -> f32 {
+pub(in crate::render) fn fractal(seed: u32, periods: [u32; 2], octaves: u32, gain: f32, at: [f32; 2]) -> f32 {
     let (mut sum, mut amplitude, mut most) = (0.0, 1.0, 0.0);
     for octave in 0..octaves {
         sum += amplitude * gradient(seed + octave, periods.map(|period| period << octave), at);
@@ -56,7 +56,7 @@ pub(super) fn fractal(seed: u32, periods: [u32; 2], octaves: u32, gain: f32, at:
 }
 
 /// Octaves with their creases turned up (Musgrave 1994); about −1 to 1.
-pub(super) fn ridged(seed: u32, periods: [u32; 2], octaves: u32, gain: f32, at: [f32; 2]) -> f32 {
+pub(in crate::render) fn ridged(seed: u32, periods: [u32; 2], octaves: u32, gain: f32, at: [f32; 2]) -> f32 {
     let (mut sum, mut amplitude, mut most) = (0.0, 1.0, 0.0);
     for octave in 0..octaves {
         let crease = 1.0 - 2.0 * gradient(seed + octave, periods.map(|period| period << octave), at).abs();

@@ -1,0 +1,176 @@
+//! Air and cloud shadows against the same in f64, from exact distances, pixel by pixel.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use super::air::{AirKey, extinction};
+use super::clouds::{ShadowPlace, shadow_twin};
+use super::*;
+use crate::camera::{Camera, NamedView};
+use crate::heightfield::load;
+use crate::heightfield::reference::Surface;
+use crate::scene::air::Kilometres;
+use crate::scene::light::SkyModel;
+
+const SIZE: [u32; 2] = [96, 60];
+
+fn canyon() -> Arc<HeightField> {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/grand-canyon.png");
+    Arc::new(load::load(&path).unwrap().field)
+}
+
+/// The byte of linear light.
+fn encode(light: f64) -> f64 {
+    let light = light.clamp(0.0, 1.0);
+    255.0 * if light <= 0.003_130_8 { light * 12.92 } else { 1.055 * light.powf(1.0 / 2.4) - 0.055 }
+}
+
+fn decode(byte: u8) -> f64 {
+    let c = f64::from(byte) / 255.0;
+    if c <= 0.040_45 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
+}
+
+/// Optical depths from `from` to `to`, kilometres, `to.y` and `from.y` heights over the floor, by summing up small steps.
+fn depths(scene: &Scene, km: Kilometres, from: DVec3, to: DVec3) -> ([f64; 3], f64) {
+    const STEPS: u32 = 1000;
+    let [molecules, haze] = extinction(scene.air.visibility);
+    let step = from.distance(to) / f64::from(STEPS);
+    let (mut aerial, mut fogged) = ([0.0; 3], 0.0);
+    let base = scene.air.fog_base / 1000.0 - km.floor;
+    for index in 0..STEPS {
+        let height = from.y + (to.y - from.y) * (f64::from(index) + 0.5) / f64::from(STEPS);
+        let falls = |base: f64, scale: f64| (-(height - base).max(0.0) / scale).exp() * step;
+        for channel in 0..3 {
+            aerial[channel] += molecules[channel] * falls(0.0, 8.8) + haze[channel] * falls(0.0, 1.2);
+        }
+        fogged += scene.air.fog_density * falls(base, scene.air.fog_scale / 1000.0);
+    }
+    let key = AirKey::of(scene);
+    (if key.perspective { aerial } else { [0.0; 3] }, if key.fog { fogged } else { 0.0 })
+}
+
+/// What the sky lights the air with in a direction (a unit vector): of the horizon, and of the fog.
+fn lights(renderer: &Renderer, scene: &Scene, direction: DVec3) -> [DVec3; 2] {
+    let light = renderer.skybox.as_ref().unwrap().light();
+    let count = light.horizon.len();
+    let mean = light.horizon.iter().map(|light| light.as_dvec3()).sum::<DVec3>() / count as f64;
+    let along = direction.x / (direction.x.abs() + direction.z.abs());
+    let turn = if direction.z < 0.0 { 3.0 + along } else { 1.0 - along } * 0.25 * count as f64;
+    let at = |index: usize| light.horizon[index % count].as_dvec3();
+    let around = at(turn as usize).lerp(at(turn as usize + 1), turn.fract());
+    let level = direction.x.hypot(direction.z);
+    let horizon = mean.lerp(around, level);
+    let grey = mean.dot(DVec3::new(0.2126, 0.7152, 0.0722));
+    let spread =
+        (0.35f64.powi(2) / (1.0 + 0.65 * 0.65 - 1.3 * direction.dot(scene.lighting.sun_direction()))).powf(1.5);
+    let sun = if light.exposed { DVec3::ONE - (-1.6 * light.sun.as_dvec3()).exp() } else { light.sun.as_dvec3() };
+    let fog = 0.5 * (horizon + mean.lerp(DVec3::splat(grey), 0.7)) + sun * (0.9 * scene.air.fog_glow * spread);
+    [horizon, fog]
+}
+
+/// Both kinds of air, alone and together, under both skies, from above and along the ground, with and without a known scale,
+/// and exaggerated.
+#[test]
+fn light_through_the_air_is_that_of_f64_from_exact_distances() {
+    let gpu = Gpu::headless().unwrap();
+    let mut renderer = Renderer::new(Arc::clone(&gpu)).unwrap();
+    let target = Target::new(&gpu, SIZE);
+    let known = canyon();
+    let plain = Arc::new((*known).clone().with_extent_metres(None).with_metres(false));
+    let (mut compared, mut worst) = (0, 0.0f64);
+    let cases = [(&known, None, true, false), (&known, Some(0.15), true, true), (&plain, None, false, true)];
+    for (map, height_scale, perspective, fog) in cases {
+        renderer.set_terrain(Arc::clone(map)).unwrap();
+        for (view, model) in [(NamedView::Start, SkyModel::Painted), (NamedView::Valley, SkyModel::Physical)] {
+            let extent = map.box_size(height_scale);
+            let camera = view.camera(map, extent);
+            let mut scene = Scene { camera: Some(camera), ..Scene::default() };
+            scene.terrain.height_scale = height_scale;
+            (scene.diffuse.enabled, scene.lighting.enabled, scene.skybox.model) = (false, false, model);
+            (scene.air.perspective, scene.air.visibility, scene.air.fog) = (perspective, 25.0, fog);
+            let [low, high] = map.range();
+            scene.air.fog_base = if map.has_metres() { low + 0.3 * (high - low) } else { 400.0 };
+            renderer.draw(&scene, &target).unwrap();
+            let picture = target.read_color(&gpu).unwrap();
+            let km = Kilometres::of(map, extent.y);
+            let surface = Surface::new(map, extent);
+            let scaled = |place: DVec3| place * DVec3::new(km.along, km.up, km.along);
+            let mut wrong = 0;
+            for (x, y, pixel) in picture.enumerate_pixels() {
+                let ray = camera.ray(f64::from(x) + 0.5, f64::from(y) + 0.5, SIZE);
+                let Some(hit) = surface.intersect(&ray).filter(|hit| !hit.wall) else { continue };
+                let (aerial, fogged) = depths(&scene, km, scaled(camera.eye), scaled(hit.position));
+                let [horizon, foggy] = lights(&renderer, &scene, ray.direction.normalize());
+                let off = (0..3).map(|c| {
+                    let all = aerial[c] + fogged;
+                    let share = if all > 1e-9 { (1.0 - (-all).exp()) / all } else { 1.0 };
+                    let light = 0.5 * (-all).exp() + share * (aerial[c] * horizon[c] + fogged * foggy[c]);
+                    (encode(light) - f64::from(pixel.0[c])).abs()
+                });
+                let off = off.fold(0.0, f64::max);
+                compared += 1;
+                // The byte's rounding, and the noise against bands.
+                if off > 1.6 {
+                    wrong += 1;
+                } else {
+                    worst = worst.max(off);
+                }
+            }
+            assert!(wrong <= 4, "{view:?}, {model:?}, exaggerated {height_scale:?}: {wrong} pixels");
+        }
+    }
+    println!("{compared} pixels, at most {worst:.2} of a byte's step off");
+    assert!(compared > 15_000);
+}
+
+/// The shadow of a cloud lies where the cloud is along the sun's rays, and lets as much light through.
+#[test]
+fn cloud_shadows_lie_along_the_suns_rays() {
+    let gpu = Gpu::headless().unwrap();
+    let mut renderer = Renderer::new(Arc::clone(&gpu)).unwrap();
+    let target = Target::new(&gpu, SIZE);
+    let map = canyon();
+    renderer.set_terrain(Arc::clone(&map)).unwrap();
+    let extent = map.box_size(None);
+    let km = Kilometres::of(&map, extent.y);
+    for (azimuth, elevation) in [(300.0, 32.0), (80.0, 12.0), (200.0, 85.0)] {
+        let camera = Camera::look_at(DVec3::new(0.5, 0.9, 1.1), DVec3::new(0.5, 0.0, 0.45), 55.0);
+        let mut scene = Scene { camera: Some(camera), ..Scene::default() };
+        scene.diffuse.enabled = false;
+        (scene.lighting.ambient, scene.lighting.diffuse, scene.lighting.specular) = (0.0, 1.6, 0.0);
+        (scene.lighting.sun_azimuth, scene.lighting.sun_elevation) = (azimuth, elevation);
+        (scene.clouds.enabled, scene.clouds.time, scene.clouds.shadow_strength) = (true, 500.0, 1.0);
+        // Above the eye, so that only shadows show; one among the hills.
+        scene.clouds.layers.truncate(3);
+        for (layer, height) in scene.clouds.layers.iter_mut().zip([1500.0, 90_000.0, 120_000.0]) {
+            (layer.height, layer.scale, layer.thickness) = (height, 90.0, 2.0);
+        }
+        scene.clouds.layers[0].thickness = 0.004;
+        renderer.draw(&scene, &target).unwrap();
+        let sunny = target.read_color(&gpu).unwrap();
+        scene.clouds.shadows = true;
+        renderer.draw(&scene, &target).unwrap();
+        let shaded = target.read_color(&gpu).unwrap();
+        let bounds = ShadowPlace::new(&scene, DVec3::ZERO, extent);
+        let pattern = Arc::clone(&renderer.atmosphere.clouds.as_ref().unwrap().pattern);
+        let surface = Surface::new(&map, extent);
+        let (mut off, mut dark) = (Vec::new(), 0);
+        for (x, y, pixel) in sunny.enumerate_pixels() {
+            let ray = camera.ray(f64::from(x) + 0.5, f64::from(y) + 0.5, SIZE);
+            let Some(hit) = surface.intersect(&ray).filter(|hit| !hit.wall && pixel.0[1] > 60) else { continue };
+            let shown = decode(shaded.get_pixel(x, y).0[1]) / decode(pixel.0[1]);
+            let wanted = shadow_twin(&pattern, &scene, km, hit.position, bounds);
+            dark += u32::from(wanted < 0.6);
+            off.push((shown - wanted).abs());
+        }
+        off.sort_by(f64::total_cmp);
+        let (median, p99) = (off[off.len() / 2], off[off.len() * 99 / 100]);
+        println!(
+            "sun {elevation}° high: {} pixels, {dark} dark, off by {median:.4} (median), {p99:.4} (p99)",
+            off.len()
+        );
+        assert!(off.len() > 1000 && dark > 50, "{} pixels, {dark} dark", off.len());
+        assert!(median < 0.01 && p99 < 0.06, "off by {median} in the median, {p99} at p99");
+    }
+}
