@@ -176,12 +176,13 @@ pub fn validate(scene: &Scene) -> Result<(), OutOfRange> {
         materials,
         lighting,
         skybox,
+        air,
+        clouds,
+        flare,
         occluder,
         debug,
         craters,
-        ..
     } = scene;
-    let Scene { air, clouds, flare, .. } = scene;
     if let Some(scale) = terrain.height_scale {
         check("terrain.height_scale", scale, HEIGHT_SCALES)?;
     }
