@@ -166,8 +166,24 @@ fn nearest(word: &str, candidates: &[String]) -> Option<String> {
 /// # Errors
 /// The first field that is not, with its range.
 pub fn validate(scene: &Scene) -> Result<(), OutOfRange> {
-    let Scene { terrain, camera, march, compare, diffuse, land, materials, .. } = scene;
-    let Scene { lighting, skybox, occluder, debug, craters, water, air, clouds, flare, .. } = scene;
+    let Scene {
+        terrain,
+        camera,
+        march,
+        compare,
+        diffuse,
+        land,
+        materials,
+        lighting,
+        skybox,
+        air,
+        clouds,
+        flare,
+        occluder,
+        debug,
+        craters,
+        water,
+    } = scene;
     if let Some(scale) = terrain.height_scale {
         check("terrain.height_scale", scale, HEIGHT_SCALES)?;
     }

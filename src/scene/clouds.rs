@@ -75,7 +75,8 @@ pub struct CloudSettings {
     pub moving: bool,
     /// Seconds that pass in the sky for each of the viewer's.
     pub rate: f64,
-    /// The layers, at most five; a scene that names any names all.
+    /// The layers, at most five; a scene that names any names all. A layer shades what lies below it; of five, the fourth also
+    /// what lies between it and the fifth.
     pub layers: Vec<CloudLayer>,
 }
 
