@@ -15,6 +15,7 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use crate::camera::Camera;
+use crate::heightfield::generate::Recipe;
 use crate::heightfield::{ConeKind, Crater, HeightField};
 use light::{Clock, Shadows, SkyModel};
 use sun::SunPlace;
@@ -67,6 +68,9 @@ pub struct TerrainSettings {
     /// proportion.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub height_scale: Option<f64>,
+    /// What the height map is made from, where no file is named.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub recipe: Option<Recipe>,
 }
 
 /// How a ray is tested against the height field.

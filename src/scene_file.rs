@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 
+use crate::heightfield::generate::{Recipe, RecipeError};
 use crate::heightfield::load::MAX_SIDE;
 use crate::heightfield::{Crater, HEIGHT_SCALES};
 use crate::scene::light::Clock;
@@ -170,6 +171,9 @@ pub fn validate(scene: &Scene) -> Result<(), OutOfRange> {
         scene;
     if let Some(scale) = terrain.height_scale {
         check("terrain.height_scale", scale, HEIGHT_SCALES)?;
+    }
+    if let Some(Err(RecipeError { field, value, instead, .. })) = terrain.recipe.as_ref().map(Recipe::validate) {
+        return Err(OutOfRange { field: format!("terrain.recipe.{field}"), value, range: instead });
     }
     if let Some(camera) = camera {
         for value in camera.eye.to_array() {

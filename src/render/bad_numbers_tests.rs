@@ -25,7 +25,7 @@ use crate::scene_file;
 /// A scene with every optional number there. Without `..`, so that a new field does not compile before it is here.
 fn full_scene() -> Scene {
     Scene {
-        terrain: TerrainSettings { file: None, height_scale: Some(0.2) },
+        terrain: TerrainSettings { height_scale: Some(0.2), ..TerrainSettings::default() },
         camera: Some(Camera { eye: DVec3::new(0.4, 0.5, 1.5), yaw: 10.0, pitch: -20.0, fov: 50.0 }),
         march: MarchSettings {
             technique: Technique::MaxMipmap,

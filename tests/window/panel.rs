@@ -276,6 +276,7 @@ const ELSEWHERE: &[(&str, &str)] = &[
     ("Open files…", "pressed by the test of files"),
     ("Save edited map…", "pressed by the test of files"),
     ("Gallery", "opened by the test of files"),
+    ("Generate", "used by the test of generating, and by the panel's own tests, by name"),
     ("Import", "used by the test of files, as is all in it"),
     ("Tradeoff", "opened by the test of comparing, and below"),
     ("Measure techniques", "pressed by the test of comparing"),

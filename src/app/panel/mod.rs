@@ -8,6 +8,7 @@ mod debug;
 mod diffuse;
 mod files;
 mod frame;
+mod generate;
 pub(crate) mod import;
 mod interface;
 mod keys;
@@ -54,10 +55,11 @@ pub(crate) struct Panel<'a> {
 type Section = (&'static str, fn(&mut egui::Ui, &mut Panel<'_>));
 
 /// All sections from top to bottom.
-const SECTIONS: [Section; 22] = [
+const SECTIONS: [Section; 23] = [
     ("Files", files::show),
     ("Terrain", terrain::show),
     ("Import", import::show),
+    ("Generate", generate::show),
     ("Camera", camera::show),
     ("Bookmarks", bookmarks::show),
     ("Camera path", path::show),
