@@ -3,6 +3,7 @@
 //! A [`Scene`] can be written to and read from TOML, so a picture can be made again. It knows neither GPU nor
 //! window. Every field has a default; a scene file names only what differs.
 
+mod detail;
 pub mod land;
 pub mod light;
 mod materials;
@@ -20,6 +21,7 @@ use crate::heightfield::{ConeKind, Crater, HeightField};
 use light::{Clock, Shadows, SkyModel};
 use sun::SunPlace;
 
+pub use detail::DetailSettings;
 pub use land::{GroundColour, Hillshade, LandSettings};
 pub use ramp::Ramp;
 
@@ -36,6 +38,8 @@ pub struct Scene {
     pub camera: Option<Camera>,
     /// How rays meet the height field.
     pub march: MarchSettings,
+    /// What the technique `fractal` invents.
+    pub detail: DetailSettings,
     /// A second technique on the right of the picture.
     pub compare: CompareSettings,
     /// The ground's colour.
@@ -94,12 +98,24 @@ pub enum Technique {
     /// Another surface: the biquadratic B-spline of the samples, whose slope is continuous. The same walk, and in each cell
     /// the crossing to f32's precision ([`crate::heightfield::smooth`]). The map must have no holes.
     Smooth,
+    /// Ground with invented detail: the bilinear surface, and near the eye fractal noise finer than the samples, as rough as
+    /// the map ([`crate::heightfield::fractal`]). The same walk, and in each cell steps that cannot pass the ground, to a
+    /// hundredth of a pixel. The map must have no holes.
+    Fractal,
 }
 
 impl Technique {
-    /// Everything that a scene can choose: [`Self::ALL`], and `smooth`.
-    pub const CHOICES: [Self; 7] =
-        [Self::Linear, Self::LinearBinary, Self::Secant, Self::Cone, Self::RelaxedCone, Self::MaxMipmap, Self::Smooth];
+    /// Everything that a scene can choose: [`Self::ALL`], `smooth` and `fractal`.
+    pub const CHOICES: [Self; 8] = [
+        Self::Linear,
+        Self::LinearBinary,
+        Self::Secant,
+        Self::Cone,
+        Self::RelaxedCone,
+        Self::MaxMipmap,
+        Self::Smooth,
+        Self::Fractal,
+    ];
 
     /// All techniques for the bilinear surface, in the order of the documentation. They are what is measured against each
     /// other.
@@ -116,6 +132,7 @@ impl Technique {
             Self::RelaxedCone => "relaxed-cone",
             Self::MaxMipmap => "max-mipmap",
             Self::Smooth => "smooth",
+            Self::Fractal => "fractal",
         }
     }
 
@@ -131,7 +148,7 @@ impl Technique {
 
     /// Whether it walks a pyramid of maxima, and so finds its surface wherever it is.
     pub fn walks_pyramid(self) -> bool {
-        matches!(self, Self::MaxMipmap | Self::Smooth)
+        matches!(self, Self::MaxMipmap | Self::Smooth | Self::Fractal)
     }
 
     /// Whether it ends with halvings, so that their number matters.
@@ -144,7 +161,7 @@ impl Technique {
         match self {
             Self::Cone => Some(ConeKind::Cone),
             Self::RelaxedCone => Some(ConeKind::Relaxed),
-            Self::Linear | Self::LinearBinary | Self::Secant | Self::MaxMipmap | Self::Smooth => None,
+            Self::Linear | Self::LinearBinary | Self::Secant | Self::MaxMipmap | Self::Smooth | Self::Fractal => None,
         }
     }
 }

@@ -167,8 +167,21 @@ fn nearest(word: &str, candidates: &[String]) -> Option<String> {
 /// # Errors
 /// The first field that is not, with its range.
 pub fn validate(scene: &Scene) -> Result<(), OutOfRange> {
-    let Scene { terrain, camera, march, compare, diffuse, land, materials, lighting, skybox, occluder, debug, craters } =
-        scene;
+    let Scene {
+        terrain,
+        camera,
+        march,
+        detail,
+        compare,
+        diffuse,
+        land,
+        materials,
+        lighting,
+        skybox,
+        occluder,
+        debug,
+        craters,
+    } = scene;
     if let Some(scale) = terrain.height_scale {
         check("terrain.height_scale", scale, HEIGHT_SCALES)?;
     }
@@ -189,6 +202,7 @@ pub fn validate(scene: &Scene) -> Result<(), OutOfRange> {
     let fewest = if march.steps_by_angle { f64::from(march.samples_min) } else { 1.0 };
     check("march.samples_max", march.samples_max, fewest..=steps)?;
     check("march.binary_steps", march.binary_steps, 0.0..=f64::from(MOST_HALVINGS))?;
+    detail.validate()?;
     check("compare.share", compare.share, 0.0..=1.0)?;
     check("diffuse.repeats", diffuse.repeats, SMALLEST..=4096.0)?;
     land::validate(land)?;

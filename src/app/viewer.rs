@@ -481,12 +481,14 @@ impl Viewer {
 
     /// Settings that are kept from map to map, and that this one cannot be drawn with.
     fn leave_out_what_it_cannot_show(&mut self, now: Instant) {
-        let smooth = [&mut self.scene.march.technique, &mut self.scene.compare.technique];
-        if self.map.holes().is_some() && smooth.iter().any(|technique| **technique == Technique::Smooth) {
-            for technique in smooth.into_iter().filter(|technique| **technique == Technique::Smooth) {
+        let chosen = [&mut self.scene.march.technique, &mut self.scene.compare.technique];
+        let whole = |technique: Technique| matches!(technique, Technique::Smooth | Technique::Fractal);
+        if self.map.holes().is_some() {
+            for technique in chosen.into_iter().filter(|technique| whole(**technique)) {
+                let name = technique.name();
                 *technique = Technique::MaxMipmap;
+                self.toasts.info(&format!("The map has holes: max-mipmap draws it, not {name}."), now);
             }
-            self.toasts.info("The map has holes: max-mipmap draws it, not smooth.", now);
         }
         let materials = &mut self.scene.materials;
         if self.map.extent_metres().is_none() && materials.levels == LevelUnit::Metres {

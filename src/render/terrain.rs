@@ -4,6 +4,7 @@ use glam::{DMat4, DVec3, DVec4};
 
 use crate::camera::Camera;
 use crate::gpu::Gpu;
+use crate::heightfield::fractal::Detail;
 
 use super::anchor::{AnchorUniform, MOST_ANCHORS};
 use super::beam::{Beams, Tiles};
@@ -34,12 +35,35 @@ const GIVEN_DISTANCES: u32 = 12;
 const EXACT_DISTANCES: u32 = 13;
 /// Binding of what deep zooms count from.
 const ANCHOR: u32 = 14;
+/// Binding of what invented detail is made of.
+const DETAIL: u32 = 60;
+
+/// A buffer that fragments read. No uniform: some software drivers take only few of them (`pipelines.rs`).
+fn storage_entry(binding: u32) -> wgpu::BindGroupLayoutEntry {
+    wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: wgpu::ShaderStages::FRAGMENT,
+        ty: wgpu::BindingType::Buffer {
+            ty: wgpu::BufferBindingType::Storage { read_only: true },
+            has_dynamic_offset: false,
+            min_binding_size: std::num::NonZeroU64::new(size_of::<[f32; 4]>() as u64),
+        },
+        count: None,
+    }
+}
 
 pub(super) fn describe(key: TerrainKey) -> PassDescription {
     let filtered = key.filters_heights();
     let mut bindings = vec![uniform_entry::<TerrainUniform>(0)];
     // The composer wants a module that any def could import; what is not imported is not composed.
-    let mut modules = vec!["frame.wgsl", "heightfield.wgsl", "varyings.wgsl", "light.wgsl", "march/smooth.wgsl"];
+    let mut modules = vec![
+        "frame.wgsl",
+        "heightfield.wgsl",
+        "varyings.wgsl",
+        "light.wgsl",
+        "march/smooth.wgsl",
+        "march/fractal.wgsl",
+    ];
     if key.deep {
         modules.push("anchor.wgsl");
     }
@@ -82,6 +106,9 @@ pub(super) fn describe(key: TerrainKey) -> PassDescription {
     }
     if key.needs_pyramid() {
         bindings.push(texture_entry(3, false, false));
+    }
+    if key.is_fractal() {
+        bindings.push(storage_entry(DETAIL));
     }
     if key.starts_from_beams() {
         bindings.push(texture_entry(8, false, false));
@@ -170,6 +197,7 @@ pub(super) struct Textures<'a> {
 pub(super) struct TerrainBindings {
     buffer: wgpu::Buffer,
     anchors: wgpu::Buffer,
+    detail: wgpu::Buffer,
     pub(super) light: LightBindings,
     corner_sampler: wgpu::Sampler,
     height_sampler: wgpu::Sampler,
@@ -194,6 +222,12 @@ impl TerrainBindings {
         Self {
             buffer: uniform_buffer::<TerrainUniform>(gpu, "terrain"),
             anchors: uniform_buffer::<[AnchorUniform; MOST_ANCHORS]>(gpu, "anchors"),
+            detail: gpu.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("detail"),
+                size: size_of::<[f32; 4]>() as u64,
+                usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            }),
             light: LightBindings::new(gpu),
             corner_sampler: gpu
                 .device
@@ -258,6 +292,12 @@ impl TerrainBindings {
         }
         if key.needs_pyramid() {
             entries.push((3, view(ground.pyramid()?)));
+        }
+        if key.is_fractal() {
+            let Detail { amplitude, gain } = ground.prepared_detail()?;
+            let numbers = [amplitude as f32, gain as f32, 0.0, 0.0];
+            gpu.queue.write_buffer(&self.detail, 0, bytemuck::bytes_of(&numbers));
+            entries.push((DETAIL, self.detail.as_entire_binding()));
         }
         if key.starts_from_beams() {
             entries.push((8, view(beams?.starts(Tiles::Fine))));

@@ -60,7 +60,7 @@ fn variants(job: &Job, scene: &Scene, able: &[Technique]) -> Vec<(String, Scene,
     base.skybox.model = SkyModel::Painted;
     (base.land, base.diffuse.source) = (LandSettings::default(), ColourSource::Texture);
     let list = craters(job);
-    let changes: [Change<'_>; 23] = [
+    let changes: [Change<'_>; 24] = [
         ("base frame", None, &|_| {}),
         ("without halvings", None, &|scene| scene.march.binary_steps = 0),
         ("fixed steps (512) instead of by angle", None, &|scene| scene.march.steps_by_angle = false),
@@ -96,6 +96,7 @@ fn variants(job: &Job, scene: &Scene, able: &[Technique]) -> Vec<(String, Scene,
             scene.materials.relief = 0.0;
         }),
         ("`smooth`: another surface, without creases", None, &|scene| scene.march.technique = Technique::Smooth),
+        ("`fractal`: ground with invented detail", None, &|scene| scene.march.technique = Technique::Fractal),
         ("without a diffuse texture", None, &|scene| scene.diffuse.enabled = !scene.diffuse.enabled),
     ];
     let changed = |change: &dyn Fn(&mut Scene)| {

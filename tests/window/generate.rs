@@ -13,7 +13,7 @@ fn recipe(status: &Value) -> &Value {
 
 fn samples(status: &Value) -> u64 {
     let heights = list(&status["ledger"]["textures"]).iter().find(|texture| texture["name"] == "heights");
-    heights.map_or(0, |texture| texture["size"][0].as_u64().unwrap_or_default())
+    heights.map_or(0, |texture| texture["width"].as_u64().unwrap_or_default())
 }
 
 #[test]

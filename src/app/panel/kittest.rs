@@ -207,6 +207,7 @@ const STATES: [fn(&mut State); 3] = [
         state.scene.skybox.model = SkyModel::Physical;
     },
     |state| {
+        state.scene.march.technique = Technique::Fractal;
         state.view.generate.recipe = Recipe::new(Kind::Warped, 5);
         state.scene.land.colour = GroundColour::Slope;
         state.scene.diffuse.source = ColourSource::Materials;
