@@ -59,8 +59,8 @@ fn shown(spacing: f32, pixel: f32) -> f32 {
     return clamp(0.5 * spacing / pixel - 1.0, 0.0, 1.0);
 }
 
-// How much the ground bends at the corners of a cell: the mean along both axes of a sample's distance from the middle between
-// its neighbours. At the map's border nothing is known of it.
+// How much the ground bends at the corners of a cell: a sample's distance from the middle between its neighbours, along that
+// axis where it is less. A ridge or a rim, which bends along one, is no roughness. At the map's border nothing is known of it.
 fn bends(cell: vec2f, samples: mat4x4f) -> vec4f {
     let inner_x = vec2f(f32(cell.x > 0.0), f32(cell.x + 1.0 < terrain.cells.x));
     let inner_z = vec2f(f32(cell.y > 0.0), f32(cell.y + 1.0 < terrain.cells.y));
@@ -70,7 +70,7 @@ fn bends(cell: vec2f, samples: mat4x4f) -> vec4f {
     let south_x = inner_x * abs(south - 0.5 * (samples[2].xy + samples[2].zw));
     let north_z = inner_z.x * abs(north - 0.5 * (samples[0].yz + south));
     let south_z = inner_z.y * abs(south - 0.5 * (north + samples[3].yz));
-    return 0.5 * vec4f(north_x + north_z, south_x + south_z);
+    return vec4f(min(north_x, north_z), min(south_x, south_z));
 }
 
 // A well mixed hash of the four corners of a lattice cell (`lowbias32`, Wellons 2018).

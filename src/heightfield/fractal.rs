@@ -20,8 +20,8 @@ pub const OCTAVES: u32 = 8;
 const MOST_NOISE: f64 = 0.707_107;
 /// The steepest that it can be along any direction, a little more than a search over places, directions and gradients finds.
 const MOST_SLOPE: f64 = 2.08;
-/// Mean of the absolute value of a normal variable over its standard deviation, √(2/π).
-const MEAN_OVER_DEVIATION: f64 = 0.797_885;
+/// Mean of the lesser of two normal variables' absolute values over their standard deviation, 2 (√2 − 1) / √π.
+const MEAN_OVER_DEVIATION: f64 = 0.467_391;
 /// The noise's root mean square at the middle between two samples.
 const MIDDLE: f64 = 0.25;
 /// Heights of an octave over the one before that detail can have: from H = 1, where terrain is smooth, to H = 0.3.
@@ -79,14 +79,15 @@ fn mean_bend(field: &HeightField, step: u32) -> f64 {
     if count == 0 { 0.0 } else { sum / count as f64 }
 }
 
-/// How much the ground bends at a sample: the mean along both axes of its distance from the middle between its neighbours;
-/// an axis along which it has not two counts as straight. Normalised.
+/// How much the ground bends at a sample: its distance from the middle between its neighbours, along that axis where it is
+/// less; an axis along which it has not two counts as straight. A ridge or a rim bends along one axis alone, and is no
+/// roughness. Normalised.
 fn bend(field: &HeightField, x: u32, y: u32) -> f64 {
     let at = |x: u32, y: u32| f64::from(field.sample(x, y));
     let inner = |at: u32, side: u32| at > 0 && at + 1 < side;
     let across = if inner(x, field.width()) { at(x, y) - 0.5 * (at(x - 1, y) + at(x + 1, y)) } else { 0.0 };
     let down = if inner(y, field.height()) { at(x, y) - 0.5 * (at(x, y - 1) + at(x, y + 1)) } else { 0.0 };
-    0.5 * (across.abs() + down.abs())
+    across.abs().min(down.abs())
 }
 
 /// Share of an octave with cells `spacing` wide that shows where a pixel is `pixel` wide, in cells of the map.

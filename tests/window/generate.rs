@@ -61,6 +61,7 @@ fn terrain_is_made_in_the_panel_seen_and_saved() {
     );
 
     // A crater is not lost: the next land is a map of its own.
+    window.point(650.0, 500.0);
     window.key("c");
     window.settled("a crater", |status| list(&status["scene"]["craters"]["list"]).len() == 1);
     window.key("g");

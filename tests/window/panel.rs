@@ -254,6 +254,9 @@ const SECTIONS: [(&str, &[Row], &str, &str); 13] = [
 const ELSEWHERE: &[(&str, &str)] = &[
     ("Materials", "used by the panel's own tests, by name, as is all in it"),
     ("smooth", "the technique: drawn by tests/smooth.rs"),
+    ("fractal", "the technique: drawn by tests/fractal.rs"),
+    ("Detail strength", "in use with fractal alone: the panel's own tests, by name"),
+    ("Detail strength value", "the same"),
     ("hard", "shadows: chosen by key, and by the panel's own tests"),
     ("painted", "the sky of every other test"),
     ("Target x", "typed in by the panel's own tests, by name"),

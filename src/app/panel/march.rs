@@ -59,7 +59,7 @@ fn technique(ui: &mut Ui, march: &mut MarchSettings) {
             Technique::MaxMipmap => "Exact: skips along a pyramid of maxima and meets the bilinear surface itself.",
             Technique::Smooth => {
                 "Another surface: rounded between the samples, without the creases of the bilinear one. Takes longer in each \
-                 cell that a ray comes near, and a map without holes."
+                 cell that a ray comes near, and a map without holes. Shadows, the probe and contours are those of the bilinear one."
             }
             Technique::Fractal => {
                 "Ground with invented detail: between the samples, which stay as they are, and near the eye, noise as rough as the \
