@@ -47,6 +47,8 @@ fn terrain_is_made_in_the_panel_seen_and_saved() {
 
     // What is saved is what the command line writes of the same recipe.
     let file = window.path("land.png");
+    window.click("Land file");
+    window.settled("a cursor in the field", |status| status["typing"] == true);
     window.fill("Land file", &file.display().to_string());
     window.click("Save as…");
     window.settled("a message", |status| told(status, "Saved"));
