@@ -17,7 +17,7 @@ use super::HeightField;
 /// Octaves at most; the cells of the last are 1/128 of the map's.
 pub const OCTAVES: u32 = 8;
 /// The most that the noise can be: its gradients are unit vectors.
-const MOST_NOISE: f64 = 0.707_107;
+const MOST_NOISE: f64 = std::f64::consts::FRAC_1_SQRT_2 + 1e-6;
 /// The steepest that it can be along any direction, a little more than a search over places, directions and gradients finds.
 const MOST_SLOPE: f64 = 2.08;
 /// Mean of the lesser of two normal variables' absolute values over their standard deviation, 2 (√2 − 1) / √π.
@@ -275,7 +275,7 @@ mod tests {
         for _ in 0..40_000 {
             let cell = [numbers.below(4000), numbers.below(4000)];
             let place = [numbers.between(0.001, 0.999), numbers.between(0.001, 0.999)];
-            let angle = numbers.between(0.0, 6.2832);
+            let angle = numbers.between(0.0, std::f64::consts::TAU);
             let ahead = [place[0] + angle.cos() * step, place[1] + angle.sin() * step];
             let (here, there) = (octave_at(cell, place, 0), octave_at(cell, ahead, 0));
             assert!(here.abs() <= MOST_NOISE && (there - here).abs() / step < MOST_SLOPE + 1e-3, "{here} {there}");
