@@ -129,8 +129,8 @@ fn colour_by_aspect(normal: vec3f) -> vec3f {
 #endif
 
 #ifdef HILLSHADE
-// The least that level ground is lit, so that a sun at the horizon does not divide by nothing.
-const LEAST_LIGHT: f32 = 0.1;
+// Sine of the sun's lowest elevation, 5.7°: at night there would be nothing to see, and at the horizon a division by nothing.
+const LOWEST_SUN: f32 = 0.1;
 // As bright as a slope may be against level ground.
 const BRIGHTEST: f32 = 1.6;
 
@@ -149,7 +149,10 @@ fn shade(normal: vec3f) -> f32 {
     let light = max(0.8660254 * (normal.x * east + normal.z * south) + 0.5 * normal.y, vec4f(0.0));
     return min(dot(weights, light), BRIGHTEST);
 #else
-    return min(max(dot(normal, terrain.sun), 0.0) / max(terrain.sun.y, LEAST_LIGHT), BRIGHTEST);
+    let level = max(length(terrain.sun.xz), 1e-6);
+    let lifted = vec3f(terrain.sun.xz * (sqrt(1.0 - LOWEST_SUN * LOWEST_SUN) / level), LOWEST_SUN);
+    let sun = select(terrain.sun, lifted, terrain.sun.y < LOWEST_SUN);
+    return min(max(dot(normal, sun), 0.0) / sun.y, BRIGHTEST);
 #endif
 }
 #endif

@@ -16,6 +16,10 @@
 @group(1) @binding(6) var diffuse_sampler: sampler;
 #endif
 
+#ifdef FRACTAL_SURFACE
+#import relief::fractal
+#endif
+
 #ifdef SMOOTH_SURFACE
 #import relief::smooth::smooth_normal
 
@@ -92,10 +96,14 @@ fn ground_normal(p: vec2f) -> vec3f {
     );
     let along_x = difference_weights(cell.x, terrain.cells.x, f.x) * rows;
     let along_z = smoothing_weights(f.x) * rows;
-    let gradient = vec2f(
+    var slopes = vec2f(
         dot(along_x, smoothing_weights(f.y)),
         dot(along_z, difference_weights(cell.y, terrain.cells.y, f.y)),
-    ) * terrain.cells_per_unit;
+    );
+#ifdef FRACTAL_SURFACE
+    slopes += fractal::detail_slopes(cell, f, rows);
+#endif
+    let gradient = slopes * terrain.cells_per_unit;
     return normalize(vec3f(-gradient.x, 1.0, -gradient.y));
 }
 #endif

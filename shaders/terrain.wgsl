@@ -23,6 +23,9 @@
 #import relief::march::march
 #endif
 #endif
+#ifdef FRACTAL_SURFACE
+#import relief::fractal
+#endif
 #ifndef VIEW_POSITION
 #import relief::ground
 #endif
@@ -236,6 +239,9 @@ fn fs_main(in: varyings::Varyings) -> Fragment {
     let origin = anchored.origin;
     let direction = anchored.direction;
 #else
+#ifdef FRACTAL_SURFACE
+    fractal::look_along(frame.ray_start + span.begin, length_of_direction);
+#endif
     let hit = march(segment);
 #endif
     var at = hit.at;
@@ -301,6 +307,9 @@ fn fs_main(in: varyings::Varyings) -> Fragment {
     let at_entry = at == span.begin;
 #else
     let depth = frame.ray_start + span.begin + at;
+#endif
+#ifdef FRACTAL_SURFACE
+    fractal::pixel_here = fractal::pixel_width(at);
 #endif
     let written = min(NEAR / max(depth, NEAR), 1.0);
 

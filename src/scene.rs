@@ -5,6 +5,7 @@
 
 pub mod air;
 pub mod clouds;
+mod detail;
 pub mod flare;
 pub mod land;
 pub mod light;
@@ -19,12 +20,14 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use crate::camera::Camera;
+use crate::heightfield::generate::Recipe;
 use crate::heightfield::{ConeKind, Crater, HeightField};
 use light::{Clock, Shadows, SkyModel};
 use sun::SunPlace;
 
 pub use air::AirSettings;
 pub use clouds::{CloudLayer, CloudSettings, CloudSource};
+pub use detail::DetailSettings;
 pub use flare::FlareSettings;
 pub use land::{GroundColour, Hillshade, LandSettings};
 pub use ramp::Ramp;
@@ -44,6 +47,8 @@ pub struct Scene {
     pub camera: Option<Camera>,
     /// How rays meet the height field.
     pub march: MarchSettings,
+    /// What the technique `fractal` invents.
+    pub detail: DetailSettings,
     /// A second technique on the right of the picture.
     pub compare: CompareSettings,
     /// The ground's colour.
@@ -84,6 +89,9 @@ pub struct TerrainSettings {
     /// proportion.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub height_scale: Option<f64>,
+    /// What the height map is made from, where no file is named.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub recipe: Option<Recipe>,
 }
 
 /// How a ray is tested against the height field.
@@ -107,12 +115,24 @@ pub enum Technique {
     /// Another surface: the biquadratic B-spline of the samples, whose slope is continuous. The same walk, and in each cell
     /// the crossing to f32's precision ([`crate::heightfield::smooth`]). The map must have no holes.
     Smooth,
+    /// Ground with invented detail: the bilinear surface, and near the eye fractal noise finer than the samples, as rough as
+    /// the map ([`crate::heightfield::fractal`]). The same walk, and in each cell steps that cannot pass the ground, to a
+    /// hundredth of a pixel. The map must have no holes.
+    Fractal,
 }
 
 impl Technique {
-    /// Everything that a scene can choose: [`Self::ALL`], and `smooth`.
-    pub const CHOICES: [Self; 7] =
-        [Self::Linear, Self::LinearBinary, Self::Secant, Self::Cone, Self::RelaxedCone, Self::MaxMipmap, Self::Smooth];
+    /// Everything that a scene can choose: [`Self::ALL`], `smooth` and `fractal`.
+    pub const CHOICES: [Self; 8] = [
+        Self::Linear,
+        Self::LinearBinary,
+        Self::Secant,
+        Self::Cone,
+        Self::RelaxedCone,
+        Self::MaxMipmap,
+        Self::Smooth,
+        Self::Fractal,
+    ];
 
     /// All techniques for the bilinear surface, in the order of the documentation. They are what is measured against each
     /// other.
@@ -129,6 +149,7 @@ impl Technique {
             Self::RelaxedCone => "relaxed-cone",
             Self::MaxMipmap => "max-mipmap",
             Self::Smooth => "smooth",
+            Self::Fractal => "fractal",
         }
     }
 
@@ -144,7 +165,7 @@ impl Technique {
 
     /// Whether it walks a pyramid of maxima, and so finds its surface wherever it is.
     pub fn walks_pyramid(self) -> bool {
-        matches!(self, Self::MaxMipmap | Self::Smooth)
+        matches!(self, Self::MaxMipmap | Self::Smooth | Self::Fractal)
     }
 
     /// Whether it ends with halvings, so that their number matters.
@@ -157,7 +178,7 @@ impl Technique {
         match self {
             Self::Cone => Some(ConeKind::Cone),
             Self::RelaxedCone => Some(ConeKind::Relaxed),
-            Self::Linear | Self::LinearBinary | Self::Secant | Self::MaxMipmap | Self::Smooth => None,
+            Self::Linear | Self::LinearBinary | Self::Secant | Self::MaxMipmap | Self::Smooth | Self::Fractal => None,
         }
     }
 }

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 
+use crate::heightfield::generate::{Recipe, RecipeError};
 use crate::heightfield::load::MAX_SIDE;
 use crate::heightfield::{Crater, HEIGHT_SCALES};
 use crate::scene::light::Clock;
@@ -170,6 +171,7 @@ pub fn validate(scene: &Scene) -> Result<(), OutOfRange> {
         terrain,
         camera,
         march,
+        detail,
         compare,
         diffuse,
         land,
@@ -187,6 +189,9 @@ pub fn validate(scene: &Scene) -> Result<(), OutOfRange> {
     if let Some(scale) = terrain.height_scale {
         check("terrain.height_scale", scale, HEIGHT_SCALES)?;
     }
+    if let Some(Err(RecipeError { field, value, instead, .. })) = terrain.recipe.as_ref().map(Recipe::validate) {
+        return Err(OutOfRange { field: format!("terrain.recipe.{field}"), value, range: instead });
+    }
     if let Some(camera) = camera {
         for value in camera.eye.to_array() {
             check("camera.eye", value, -FARTHEST..=FARTHEST)?;
@@ -201,6 +206,7 @@ pub fn validate(scene: &Scene) -> Result<(), OutOfRange> {
     let fewest = if march.steps_by_angle { f64::from(march.samples_min) } else { 1.0 };
     check("march.samples_max", march.samples_max, fewest..=steps)?;
     check("march.binary_steps", march.binary_steps, 0.0..=f64::from(MOST_HALVINGS))?;
+    detail.validate()?;
     check("compare.share", compare.share, 0.0..=1.0)?;
     check("diffuse.repeats", diffuse.repeats, SMALLEST..=4096.0)?;
     land::validate(land)?;

@@ -13,7 +13,7 @@ use common::{canyon, crater_on_the_summit, picture, renderer, scene_at, scene_fr
 use glam::DVec3;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ImageEncoder, Rgb, RgbImage, Rgba, RgbaImage};
-use relief::camera::NamedView;
+use relief::camera::{Camera, NamedView};
 use relief::heightfield::{Crater, HeightField};
 use relief::scene::light::{Shadows, SkyModel};
 use relief::scene::{
@@ -65,6 +65,13 @@ fn low_sun(scene: &mut Scene, shadows: Shadows) {
     (scene.lighting.sun_azimuth, scene.lighting.sun_elevation) = (250.0, 7.0);
     (scene.lighting.ambient, scene.lighting.diffuse) = (0.18, 1.6);
     scene.lighting.shadows = shadows;
+}
+
+/// From so near to the ground that a cell is many pixels wide.
+fn near(map: &HeightField) -> Scene {
+    let extent = map.box_size(None);
+    let eye = DVec3::new(0.42, (map.surface_height(0.42, 0.57) + 0.08) * extent.y, 0.57 * extent.z);
+    Scene { camera: Some(Camera { eye, yaw: 35.0, pitch: -20.0, fov: 60.0 }), ..Scene::default() }
 }
 
 fn march_cases(map: &HeightField, start: &Scene) -> Vec<Case> {
@@ -119,6 +126,7 @@ fn march_cases(map: &HeightField, start: &Scene) -> Vec<Case> {
             scene.debug.view = DebugView::Error;
         }),
         case("smooth", &valley, |scene| scene.march.technique = Technique::Smooth),
+        case("fractal", &near(map), |scene| scene.march.technique = Technique::Fractal),
         case("misses-kept", start, |scene| scene.march.discard_misses = false),
         case("height-scale", start, |scene| scene.terrain.height_scale = Some(0.25)),
     ]
@@ -161,6 +169,10 @@ fn colour_cases(map: &HeightField, start: &Scene) -> Vec<Case> {
             scene.materials.aridity = 0.8;
         }),
         case("materials-lush-and-cold", start, |scene| {
+            scene.diffuse.source = ColourSource::Materials;
+            (scene.terrain.height_scale, scene.materials.aridity) = (Some(0.15), 0.1499);
+        }),
+        case("materials-chosen-by-the-map", start, |scene| {
             scene.diffuse.source = ColourSource::Materials;
             scene.terrain.height_scale = Some(0.15);
         }),

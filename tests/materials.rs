@@ -10,7 +10,7 @@ use relief::camera::NamedView;
 use relief::gpu::Target;
 use relief::render::{RenderError, Renderer};
 use relief::scene::light::{Shadows, SkyModel};
-use relief::scene::{ColourSource, LevelUnit, Scene};
+use relief::scene::{ColourSource, LevelUnit, Scene, Technique};
 
 /// Enough for a mean colour.
 const SMALL: [u32; 2] = [120, 75];
@@ -212,8 +212,10 @@ fn distance_does_not_shimmer() {
 fn everything_together_is_drawn() {
     let map = canyon();
     let (mut renderer, target) = (renderer(&map), Target::new(&gpu(), [32, 24]));
-    for deep in [false, true] {
+    let techniques = [(false, Technique::MaxMipmap), (true, Technique::MaxMipmap), (false, Technique::Fractal)];
+    for (deep, technique) in techniques {
         let mut scene = painted(NamedView::Start);
+        scene.march.technique = technique;
         scene.lighting.shadows = Shadows::Hard;
         scene.skybox.model = SkyModel::Physical;
         (scene.land.contours, scene.occluder.enabled) = (true, true);

@@ -21,6 +21,8 @@ mod craters;
 mod files;
 #[path = "window/flying.rs"]
 mod flying;
+#[path = "window/generate.rs"]
+mod generate;
 #[path = "window/idle.rs"]
 mod idle;
 #[path = "window/kept.rs"]

@@ -10,6 +10,9 @@
 #ifdef SMOOTH_SURFACE
 #import relief::smooth::meet_smooth
 #endif
+#ifdef FRACTAL_SURFACE
+#import relief::fractal
+#endif
 #import relief::pyramid::{
     RECIPROCAL_OF_ZERO, Walk, lesser, greater, course_along, start, node_of, places_on, place_of, stored_height, reached, moved_on, either,
 }
@@ -143,7 +146,16 @@ fn march(ray: Segment) -> Hit {
 #ifdef SMOOTH_SURFACE
         let hit = meet_smooth(cell, local, ray.direction, leave - walk.t);
 #else
+#ifdef FRACTAL_SURFACE
+        var hit: f32;
+        if fractal::is_plain(walk.t) {
+            hit = intersect_patch(cell_corners(cell), local, ray.direction, leave - walk.t);
+        } else {
+            hit = fractal::meet(cell, local, ray.direction, leave - walk.t, walk.t);
+        }
+#else
         let hit = intersect_patch(cell_corners(cell), local, ray.direction, leave - walk.t);
+#endif
 #endif
         if hit >= 0.0 {
             return Hit(walk.t + hit, walk.steps, 0u);

@@ -6,6 +6,7 @@ use winit::keyboard::KeyCode;
 
 use super::actions::Action;
 use super::files::FilesCommand;
+use super::generating::MakeCommand;
 use super::graphics::Graphics;
 use super::keys::Press;
 use super::preferences::ZOOMS;
@@ -59,6 +60,8 @@ impl Viewer {
             self.cancel_export(now);
         } else if self.loader.is_busy() {
             self.cancel_opening();
+        } else if self.cancel_making(now) {
+            // What is on screen stays.
         } else if self.tradeoff.progress().is_some() {
             self.forget_tradeoff();
         } else if self.give_up_cones(graphics) {
@@ -115,6 +118,7 @@ impl Viewer {
             Action::SaveMap => self.files_command(FilesCommand::AskToSave),
             Action::NextMap => self.files_command(FilesCommand::Step(1)),
             Action::PreviousMap => self.files_command(FilesCommand::Step(-1)),
+            Action::NextSeed => self.make_command(MakeCommand::NextSeed, now),
             Action::FullScreen => self.execute(graphics, Command::FullScreen),
             Action::Screenshot => self.execute(graphics, Command::Screenshot),
             Action::Quit => self.quit = true,

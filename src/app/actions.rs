@@ -41,6 +41,7 @@ pub(crate) enum Action {
     SaveMap,
     NextMap,
     PreviousMap,
+    NextSeed,
     FullScreen,
     Screenshot,
     Quit,
@@ -70,7 +71,7 @@ const fn always(action: Action, name: &'static str, default: &'static str, does:
 }
 
 /// All actions.
-pub(crate) const ACTIONS: [Entry; 41] = [
+pub(crate) const ACTIONS: [Entry; 42] = [
     row(Action::Forward, "forward", "W", "fly forward"),
     row(Action::Back, "back", "S", "fly back"),
     row(Action::Left, "left", "A", "fly left"),
@@ -114,6 +115,7 @@ pub(crate) const ACTIONS: [Entry; 41] = [
     always(Action::SaveMap, "save-map", "Ctrl+S", "save the edited map: GeoTIFF, 16-bit PNG, raw and others"),
     always(Action::NextMap, "next-map", "Ctrl+Tab", "the next of the open maps, where you left it"),
     always(Action::PreviousMap, "previous-map", "Ctrl+Shift+Tab", "the one before it"),
+    row(Action::NextSeed, "next-seed", "G", "generate the terrain of the next seed, as the panel says"),
     always(Action::FullScreen, "full-screen", "F11", "full screen"),
     always(Action::Screenshot, "screenshot", "F12", "screenshot: a PNG, and its scene as TOML"),
     always(Action::Quit, "quit", "Ctrl+Q", "quit"),

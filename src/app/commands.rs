@@ -20,6 +20,7 @@ impl Viewer {
             Command::GoToBookmark(digit) => self.go_to_bookmark(digit, Instant::now()),
             Command::SetBookmark(digit) => self.set_bookmark(digit, Instant::now()),
             Command::Path(command) => self.path_command(graphics, command, Instant::now()),
+            Command::Make(command) => self.make_command(command, Instant::now()),
             Command::Files(command) => self.files_command(command),
             Command::View(view) => {
                 self.journey.stop();

@@ -169,6 +169,7 @@ impl Viewer {
         }
         self.follow_looks();
         (self.view.path.playing, self.view.path.writing) = (self.journey.is_playing(), self.film.is_some());
+        self.view.generate.share = self.generator.progress();
         self.facts.extent = self.extent();
         let input = self.egui.take_egui_input(&window);
         let timestamps = graphics.gpu.capabilities.timestamps;
@@ -274,6 +275,8 @@ impl Viewer {
             (text, false)
         } else if let Some(progress) = self.loader.progress() {
             (format!("Opening {} … (Esc cancels)", progress.name), true)
+        } else if let Some(text) = self.making_in_words(now) {
+            (text, true)
         } else if let Some(film) = &self.film {
             (film.in_words(), true)
         } else if !self.prepared {

@@ -1,5 +1,6 @@
 //! Settings, keys, bookmarks and the window between runs: taken up at the start, kept soon after they change, and at the end.
 
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 use winit::dpi::{PhysicalPosition, PhysicalSize};
@@ -103,9 +104,16 @@ impl Viewer {
         self.take_up_bookmarks();
     }
 
+    /// The file that the bookmarks of the map on screen go by. Made maps have one set of them: with the next seed the eye
+    /// stays, too.
+    fn notes_file(&self) -> Option<&Path> {
+        let terrain = &self.scene.terrain;
+        terrain.file.as_deref().or(terrain.recipe.as_ref().map(|_| Path::new("(generated)")))
+    }
+
     /// The bookmarks of the map on screen.
     pub(super) fn take_up_bookmarks(&mut self) {
-        self.view.bookmarks = self.keeper.kept.bookmarks(self.scene.terrain.file.as_deref());
+        self.view.bookmarks = self.keeper.kept.bookmarks(self.notes_file());
     }
 
     /// What is to be kept, as it is now.
@@ -128,7 +136,7 @@ impl Viewer {
             key_labels: view.keys.labels(),
             maps: self.keeper.kept.maps.clone(),
         };
-        kept.set_bookmarks(self.scene.terrain.file.as_deref(), view.bookmarks.clone());
+        kept.set_bookmarks(self.notes_file(), view.bookmarks.clone());
         kept
     }
 

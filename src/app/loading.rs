@@ -181,20 +181,27 @@ fn open(request: Request, share: &AtomicU32, cancel: &AtomicBool) -> Result<Open
         missing: matches!(&error, OpenError::Load(LoadError::NotFound { .. })),
     })?;
     hear(1.0);
-    let provenance = Provenance::of(&loaded, path.clone());
-    let stem = path.as_deref().and_then(Path::file_stem).map(|stem| stem.to_string_lossy().into_owned());
-    let bounds = loaded.geographic_bounds();
-    let map = Arc::new(loaded.field);
-    let about = About {
-        title: loaded.title.or(stem).unwrap_or_else(|| request.source.name()),
-        source: request.source,
-        said: request.said,
-        stated: request.stated,
-        path,
-        provenance,
-    };
-    let terrain = PreparedTerrain::new(Arc::clone(&map)).with_colours();
-    Ok(Opened { terrain, map, bounds, warnings: loaded.warnings, about })
+    Ok(Opened::of(request, loaded, path))
+}
+
+impl Opened {
+    /// A map that was read or made, with all that takes too long between two frames.
+    pub(crate) fn of(request: Request, loaded: Loaded, path: Option<PathBuf>) -> Self {
+        let provenance = Provenance::of(&loaded, path.clone());
+        let stem = path.as_deref().and_then(Path::file_stem).map(|stem| stem.to_string_lossy().into_owned());
+        let bounds = loaded.geographic_bounds();
+        let map = Arc::new(loaded.field);
+        let about = About {
+            title: loaded.title.or(stem).unwrap_or_else(|| request.source.name()),
+            source: request.source,
+            said: request.said,
+            stated: request.stated,
+            path,
+            provenance,
+        };
+        let terrain = PreparedTerrain::new(Arc::clone(&map)).with_colours();
+        Self { terrain, map, bounds, warnings: loaded.warnings, about }
+    }
 }
 
 /// A file without a header, by its name.
@@ -219,6 +226,10 @@ fn read(
     cancel: &AtomicBool,
 ) -> Result<(Loaded, Option<PathBuf>), OpenError> {
     let path = match &request.source {
+        Source::Made(recipe) => {
+            let field = recipe.make(recipe.size, hear, cancel).map_err(LoadError::from)?;
+            return Ok((Loaded::made(field, recipe), None));
+        }
         Source::Canyon => return Ok((gallery::grand_canyon()?, None)),
         // Reading it again is nothing beside making it.
         Source::Piece(piece) => piece.file_in(&request.gallery, hear, cancel)?,

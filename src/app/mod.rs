@@ -25,6 +25,7 @@
 //! | `measure`, `tradeoff` | frame times and steps per ray; error against time of the techniques |
 //! | `errors` | what the viewer does with those of techniques |
 //! | `reference`, `cones` | the f64 reference of the error view, and cone maps, on threads of their own |
+//! | `generating` | landscapes made from the panel's recipe, on a thread of their own |
 //! | `compiling` | pipelines, on a thread of their own, and what draws meanwhile |
 //! | `files` | maps in and out: several at once, drops, dialogues, recent files, the import card, saving |
 //! | `loading`, `screenshot`, `status`, `watch` | files: maps, pictures, state for automated tests, shaders |
@@ -42,6 +43,7 @@ mod filming;
 mod frame;
 #[cfg(any(test, feature = "gamepad"))]
 mod gamepad;
+mod generating;
 mod graphics;
 mod input;
 mod journey;

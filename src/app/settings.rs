@@ -7,6 +7,7 @@ use glam::DVec3;
 
 use super::actions::Action;
 use super::files::FilesCommand;
+use super::generating::{Draft, MakeCommand};
 use super::keys::KeyMap;
 use super::log_pane::LogPane;
 use super::preferences::{Bookmarks, Mode, Motion, Theme};
@@ -60,6 +61,8 @@ pub(crate) struct ViewSettings {
     pub(crate) bookmarks: Bookmarks,
     /// The camera path, and what is done with it.
     pub(crate) path: PathEditor,
+    /// The recipe in the panel.
+    pub(crate) generate: Draft,
     /// The point that was typed to be looked at; another one once the eye looks elsewhere.
     pub(crate) target: Option<DVec3>,
     /// The layer of clouds whose settings the panel shows.
@@ -89,6 +92,7 @@ impl Default for ViewSettings {
             refused: None,
             bookmarks: Bookmarks::default(),
             path: PathEditor::default(),
+            generate: Draft::default(),
             target: None,
             cloud_layer: 0,
         }
@@ -194,6 +198,8 @@ impl PathFields {
 pub(crate) enum Command {
     /// Open, switch or save maps.
     Files(FilesCommand),
+    /// Make a landscape.
+    Make(MakeCommand),
     /// Move the eye to a named view.
     View(NamedView),
     /// Take the last crater back.

@@ -266,7 +266,7 @@ impl Viewer {
             || self.compiler.is_busy()
             || self.tradeoff.progress().is_some();
         let working = self.film.is_some() || self.saving || self.wants_screenshot || self.reload_at.is_some();
-        let working = working || self.loader.is_busy() || self.files.is_busy();
+        let working = working || self.loader.is_busy() || self.generator.is_busy() || self.files.is_busy();
         !(drawing || measuring || working)
     }
 }

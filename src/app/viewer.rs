@@ -14,9 +14,10 @@ use super::compiling::Compiler;
 use super::cones::ConeFinder;
 use super::controls::{Fly, ground_below};
 use super::files::Files;
-use super::files::maps::Place;
+use super::files::maps::{Place, Source};
 use super::filming::Film;
 use super::frame::FrameError;
+use super::generating::Generator;
 use super::graphics::Graphics;
 use super::journey::Journey;
 use super::keeping::Keeper;
@@ -33,7 +34,7 @@ use super::window::UserEvent;
 use super::{ViewerOptions, desktop, watch};
 use crate::camera::{Camera, NamedView};
 use crate::heightfield::HeightField;
-use crate::render::RenderError;
+use crate::render::{PreparedTerrain, RenderError};
 use crate::scene::{CraterSettings, Hillshade, LevelUnit, MaterialSettings, Scene, Technique};
 
 /// Saving a file makes several events; shaders are read once they have been quiet for so long.
@@ -90,6 +91,7 @@ pub(crate) struct Viewer {
     pub(super) pointer: Pointer,
     pub(super) toasts: Toasts,
     pub(super) loader: Loader,
+    pub(super) generator: Generator,
     pub(super) files: Files,
     pub(super) redraw: Redraw,
     pub(super) meter: Meter,
@@ -179,7 +181,12 @@ impl Viewer {
             // Fails only when the event loop is gone, and with it whoever could be told.
             let _ = watch_proxy.send_event(UserEvent::ShadersChanged);
         });
-        let files = Files::new(options.provenance, &options.title, options.more, &options.import);
+        let files = Files::new(
+            options.provenance,
+            (&options.title, options.scene.terrain.recipe.as_ref()),
+            options.more,
+            &options.import,
+        );
         let mut viewer = Self {
             window,
             egui,
@@ -197,6 +204,7 @@ impl Viewer {
             pointer: Pointer::default(),
             toasts: Toasts::default(),
             loader: Loader::default(),
+            generator: Generator::default(),
             files,
             redraw: Redraw::default(),
             meter: Meter::default(),
@@ -236,6 +244,9 @@ impl Viewer {
             reported: (true, false),
             _watcher: watcher,
         };
+        if let Some(recipe) = &viewer.scene.terrain.recipe {
+            viewer.view.generate.take(recipe);
+        }
         let size = viewer.extent();
         let camera = *viewer.scene.camera.get_or_insert_with(|| NamedView::Start.camera(&viewer.map, size));
         // A scene that looks from below the ground means it.
@@ -310,6 +321,7 @@ impl Viewer {
             .or(reload)
             .or(film)
             .or(self.keeper.next())
+            .or(self.generator.next())
             .or(tradeoff)
             .or(self.reference.next())
             .or(self.meter.next(now, self.measures_steps()))
@@ -374,6 +386,7 @@ impl Viewer {
             }
         }
         self.open_dropped();
+        self.follow_generator(graphics, now)?;
         if self.reload_at.is_some_and(|at| at <= now) {
             self.reload_at = None;
             self.reload_shaders(graphics, now)?;
@@ -422,23 +435,19 @@ impl Viewer {
     }
 
     /// Replaces the terrain. What belonged to the old one goes with it; when the new one cannot be used, all stays.
-    fn adopt(&mut self, graphics: &mut Graphics, opened: Opened, now: Instant) -> Result<(), FrameError> {
+    pub(super) fn adopt(&mut self, graphics: &mut Graphics, opened: Opened, now: Instant) -> Result<(), FrameError> {
         let left = Place::of(&self.scene, self.map.box_size(None));
-        match graphics.renderer.set_prepared_terrain(opened.terrain) {
-            Ok(()) => {}
-            Err(RenderError::DeviceLost(lost)) => return Err(FrameError::Lost(lost)),
-            Err(error) => {
-                self.toasts.error(&format!("The old terrain stays: {error}"));
-                self.files.gave_up(&opened.about.source);
-                return Ok(());
-            }
+        if !self.take_ground(graphics, opened.terrain, &opened.about.source)? {
+            return Ok(());
         }
         // The old map's bookmarks are written before they are those of the new one.
         self.keep_now();
         self.map = opened.map;
-        self.tradeoff.forget();
-        self.view.reading.forget();
-        self.meter.forget_times();
+        let recipe = opened.about.source.recipe().cloned();
+        if let Some(recipe) = &recipe {
+            self.view.generate.take(recipe);
+        }
+        self.scene.terrain.recipe = recipe;
         self.scene.terrain.file.clone_from(&opened.about.path);
         self.scene.terrain.height_scale = None;
         // The old map's heights and place mean nothing here.
@@ -452,18 +461,10 @@ impl Viewer {
         self.scene.camera = Some(NamedView::Start.camera(&self.map, self.extent()));
         self.arrive(&opened.about, left);
         self.leave_out_what_it_cannot_show(now);
-        (self.drawn, self.shown, self.last_good) = (None, None, None);
         self.journey.stop();
-        if self.film.is_some() {
-            self.cancel_export(now);
-        }
         self.take_up_bookmarks();
-        // Its picture may need other pipelines, as that of a first map with holes does: said before they are waited for.
-        let size = graphics.target.size();
-        self.prepared = graphics.renderer.missing_pipelines(&self.scene, size, false).is_none();
-        self.facts = Facts::new(&self.map, opened.about.title, &graphics.gpu);
+        self.ground_is_new(graphics, opened.about.title, now);
         self.view.paths = PathFields::of(&self.scene);
-        self.window.set_title(&format!("Relief: {}", self.facts.title));
         self.toasts.info(&format!("Opened {}", self.facts.title), now);
         for warning in opened.warnings {
             self.toasts.warning(&warning, now);
@@ -471,14 +472,50 @@ impl Viewer {
         Ok(())
     }
 
+    /// Gives the renderer another ground. False where it cannot be used, which has been told: the old one stays.
+    pub(super) fn take_ground(
+        &mut self,
+        graphics: &mut Graphics,
+        terrain: PreparedTerrain,
+        source: &Source,
+    ) -> Result<bool, FrameError> {
+        match graphics.renderer.set_prepared_terrain(terrain) {
+            Ok(()) => Ok(true),
+            Err(RenderError::DeviceLost(lost)) => Err(FrameError::Lost(lost)),
+            Err(error) => {
+                self.toasts.error(&format!("The old terrain stays: {error}"));
+                self.files.gave_up(source);
+                Ok(false)
+            }
+        }
+    }
+
+    /// Forgets what was known of the ground before, and learns what is of this one.
+    pub(super) fn ground_is_new(&mut self, graphics: &mut Graphics, title: String, now: Instant) {
+        self.tradeoff.forget();
+        self.view.reading.forget();
+        self.meter.forget_times();
+        (self.drawn, self.shown, self.last_good) = (None, None, None);
+        if self.film.is_some() {
+            self.cancel_export(now);
+        }
+        // Its picture may need other pipelines, as that of a first map with holes does: said before they are waited for.
+        let size = graphics.target.size();
+        self.prepared = graphics.renderer.missing_pipelines(&self.scene, size, false).is_none();
+        self.facts = Facts::new(&self.map, title, &graphics.gpu);
+        self.window.set_title(&format!("Relief: {}", self.facts.title));
+    }
+
     /// Settings that are kept from map to map, and that this one cannot be drawn with.
     fn leave_out_what_it_cannot_show(&mut self, now: Instant) {
-        let smooth = [&mut self.scene.march.technique, &mut self.scene.compare.technique];
-        if self.map.holes().is_some() && smooth.iter().any(|technique| **technique == Technique::Smooth) {
-            for technique in smooth.into_iter().filter(|technique| **technique == Technique::Smooth) {
+        let chosen = [&mut self.scene.march.technique, &mut self.scene.compare.technique];
+        let whole = |technique: Technique| matches!(technique, Technique::Smooth | Technique::Fractal);
+        if self.map.holes().is_some() {
+            for technique in chosen.into_iter().filter(|technique| whole(**technique)) {
+                let name = technique.name();
                 *technique = Technique::MaxMipmap;
+                self.toasts.info(&format!("The map has holes: max-mipmap draws it, not {name}."), now);
             }
-            self.toasts.info("The map has holes: max-mipmap draws it, not smooth.", now);
         }
         let materials = &mut self.scene.materials;
         if self.map.extent_metres().is_none() && materials.levels == LevelUnit::Metres {

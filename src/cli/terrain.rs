@@ -12,8 +12,9 @@ use super::failure::{Exit, Failure};
 use super::progress::Progress;
 use crate::camera::{Camera, NamedView};
 use crate::gpu::Gpu;
+use crate::heightfield::generate::{Recipe, recipe_file};
 use crate::heightfield::import::{ImportOptions, Listener};
-use crate::heightfield::{HeightField, LoadError, Loaded, gallery, generate::recipe_file, load};
+use crate::heightfield::{HeightField, LoadError, Loaded, gallery, load};
 use crate::scene::{ColourSource, GroundColour, Scene};
 use crate::scene_file;
 
@@ -30,6 +31,8 @@ pub(crate) enum Source {
         /// The scene file that names it, where one does.
         scene: Option<PathBuf>,
     },
+    /// Made from the recipe of a scene that names no file.
+    Recipe(Box<Recipe>),
     /// The Grand Canyon.
     BuiltIn,
 }
@@ -37,14 +40,18 @@ pub(crate) enum Source {
 impl Source {
     /// The map that `scene` names.
     pub(crate) fn of(scene: &Scene) -> Self {
-        scene.terrain.file.clone().map_or(Self::BuiltIn, |path| Self::File { path, scene: None })
+        match (&scene.terrain.file, &scene.terrain.recipe) {
+            (Some(path), _) => Self::File { path: path.clone(), scene: None },
+            (None, Some(recipe)) => Self::Recipe(Box::new(recipe.clone())),
+            (None, None) => Self::BuiltIn,
+        }
     }
 
     /// The same, named by the file `named_by` and not by the user: a message about it names both.
     pub(crate) fn named_by(self, named_by: Option<&Path>) -> Self {
         match self {
             Self::File { path, .. } => Self::File { path, scene: named_by.map(Path::to_path_buf) },
-            Self::BuiltIn => self,
+            Self::Recipe(_) | Self::BuiltIn => self,
         }
     }
 
@@ -57,6 +64,7 @@ impl Source {
     pub(crate) fn name(&self) -> String {
         match self {
             Self::File { path, .. } => path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned(),
+            Self::Recipe(recipe) => recipe.title(),
             Self::BuiltIn => gallery::CANYON_NAME.to_owned(),
         }
     }
@@ -95,7 +103,7 @@ impl Source {
     fn told(&self, result: Result<Loaded, LoadError>) -> Result<Loaded, Failure> {
         let loaded = result.map_err(|error| match self {
             Self::File { path, scene } => cannot_open(path, scene.as_deref(), error),
-            Self::BuiltIn => error.into(),
+            Self::Recipe(_) | Self::BuiltIn => error.into(),
         })?;
         for warning in &loaded.warnings {
             super::warn(warning);
@@ -117,8 +125,15 @@ impl Source {
     }
 
     fn open(&self, options: &ImportOptions) -> Result<Loaded, LoadError> {
-        let progress = Progress::start("reading the height map");
+        let progress = Progress::start(match self {
+            Self::Recipe(_) => "generating",
+            _ => "reading the height map",
+        });
         match self {
+            Self::Recipe(recipe) => {
+                let field = recipe.make(recipe.size, &|share| progress.set(share), &AtomicBool::new(false))?;
+                Ok(Loaded::made(field, recipe))
+            }
             Self::File { path, .. } => load::load_with(path, options, listener(&|share| progress.set(share))),
             Self::BuiltIn => gallery::grand_canyon(),
         }

@@ -28,10 +28,13 @@ pub(crate) fn run(args: &ViewArgs) -> Result<(), Failure> {
     let remarks = scene_file::remarks(&scene, map.field.box_size(scene.terrain.height_scale));
     let path = match &source {
         Source::File { path, .. } => Some(std::path::absolute(path).unwrap_or_else(|_| path.clone())),
-        Source::BuiltIn => None,
+        Source::Recipe(_) | Source::BuiltIn => None,
     };
     // Bookmarks go by the whole path.
     scene.terrain.file.clone_from(&path);
+    if path.is_some() {
+        scene.terrain.recipe = None;
+    }
     let options = ViewerOptions {
         provenance: Some(Provenance::of(&map, path)),
         more: args.more.clone(),

@@ -34,6 +34,7 @@ const EMBEDDED: &[(&str, &str)] = embed![
     "light.wgsl",
     "light_map.wgsl",
     "march/cone.wgsl",
+    "march/fractal.wgsl",
     "march/linear-binary.wgsl",
     "march/linear.wgsl",
     "march/max-mipmap-deep.wgsl",

@@ -4,6 +4,7 @@ use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use super::generate::{MakeError, Recipe};
 use super::import::source::{Fault, ReadSeek, Source};
 use super::import::{self, Elevation, Format, Georeference, ImportOptions, Listener, Samples, Taken, VerticalUnit};
 use super::{HeightField, HeightFieldError, Sidecar};
@@ -14,6 +15,9 @@ pub const MAX_SIDE: u32 = 32768;
 /// Why a height map did not open: what, why and what to do, a line each.
 #[derive(Debug, thiserror::Error)]
 pub enum LoadError {
+    /// What was to be made from a recipe was not.
+    #[error(transparent)]
+    Make(#[from] MakeError),
     /// Nothing there.
     #[error("cannot open {path}\n  there is no such file\n  check the path")]
     NotFound {
@@ -190,6 +194,25 @@ pub struct Loaded {
 }
 
 impl Loaded {
+    /// What a landscape made from `recipe` would be if it had been saved and opened.
+    pub fn made(field: HeightField, recipe: &Recipe) -> Self {
+        let full = [field.width(), field.height()];
+        Self {
+            field,
+            warnings: Vec::new(),
+            sample_type: "u16",
+            title: Some(recipe.title()),
+            sidecar: None,
+            stated: Sidecar::default(),
+            format: Format::Png,
+            compression: None,
+            georeference: None,
+            vertical_unit: None,
+            nodata_fraction: 0.0,
+            taken: Taken { full, window: [0, 0, full[0], full[1]], factor: 1 },
+        }
+    }
+
     /// West, south, east and north of the map in degrees, where its place is known.
     pub fn geographic_bounds(&self) -> Option<[f64; 4]> {
         let size = [self.field.width(), self.field.height()];

@@ -1,5 +1,6 @@
 //! The height map itself: loading, generating, the maximum pyramid, craters, and the f64 reference. No GPU, no window.
 
+pub mod bounds;
 pub mod colour;
 pub mod companions;
 pub mod cone;
@@ -7,6 +8,7 @@ mod crater;
 mod edited;
 pub mod export;
 mod field;
+pub mod fractal;
 pub mod gallery;
 pub mod generate;
 mod holes;
@@ -37,4 +39,3 @@ pub use load::{LoadError, Loaded};
 pub use provenance::Provenance;
 pub use pyramid::{MaxPyramid, NodeRect, PyramidLevel};
 pub use sidecar::Sidecar;
-pub use smooth::SmoothBounds;

@@ -9,6 +9,7 @@
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
+use super::fractal::{self, Detail};
 use super::{HeightField, patch, smooth};
 use crate::camera::{Camera, Ray};
 
@@ -29,19 +30,33 @@ pub struct Surface<'a> {
     field: &'a HeightField,
     /// Size of the box in world units.
     size: DVec3,
-    /// Whether it is the smooth surface of the samples instead of the bilinear one.
-    smooth: bool,
+    shape: Shape,
+}
+
+/// What stands between the samples.
+#[derive(Clone, Copy, Debug)]
+enum Shape {
+    Bilinear,
+    Smooth,
+    /// With the width of a pixel at a unit's distance from the eye, world units.
+    Detailed(Detail, f64),
 }
 
 impl<'a> Surface<'a> {
     /// The surface of `field` in the box from the origin to `size`. The height may be 0; the sides are above 0.
     pub fn new(field: &'a HeightField, size: DVec3) -> Self {
-        Self { field, size, smooth: false }
+        Self { field, size, shape: Shape::Bilinear }
     }
 
     /// The smooth surface of `field` ([`super::smooth`]), which has no holes, in the same box.
     pub fn smooth(field: &'a HeightField, size: DVec3) -> Self {
-        Self { field, size, smooth: true }
+        Self { field, size, shape: Shape::Smooth }
+    }
+
+    /// The ground of `field` with invented detail ([`super::fractal`]), which has no holes, in the same box, as an eye sees
+    /// it for which a pixel at a unit's distance is `pixel` wide: what is farther away has less of it.
+    pub fn detailed(field: &'a HeightField, size: DVec3, detail: Detail, pixel: f64) -> Self {
+        Self { field, size, shape: Shape::Detailed(detail, pixel) }
     }
 
     pub(super) fn field(&self) -> &'a HeightField {
@@ -70,7 +85,7 @@ impl<'a> Surface<'a> {
             origin[axis] = bound;
         }
         let origin = origin.clamp(DVec3::ZERO, self.size);
-        let found = self.walk(origin, ray.direction, length);
+        let found = self.walk(origin, ray.direction, length, span.enter);
         let distance = match found {
             Some(distance) => distance,
             // The floor is nowhere above the surface; only rounding can bring a ray to it.
@@ -89,19 +104,25 @@ impl<'a> Surface<'a> {
         self.field.has_ground(cell(place.x, self.size.x, cells[0]), cell(place.z, self.size.z, cells[1]))
     }
 
-    /// Walks the cells from `origin` in the box, at most `length` of `direction` far.
-    fn walk(&self, origin: DVec3, direction: DVec3, length: f64) -> Option<f64> {
+    /// Walks the cells from `origin` in the box, at most `length` of `direction` far; the eye is `enter` before.
+    fn walk(&self, origin: DVec3, direction: DVec3, length: f64, enter: f64) -> Option<f64> {
         let cells = self.field.cells();
+        let unit = direction.length();
         let scale = DVec2::new(f64::from(cells[0]) / self.size.x, f64::from(cells[1]) / self.size.z);
         let origin = DVec3::new(origin.x * scale.x, origin.y, origin.z * scale.y);
         let direction = DVec3::new(direction.x * scale.x, direction.y, direction.z * scale.y);
+        let growth = match self.shape {
+            Shape::Detailed(_, pixel) => unit * pixel * scale.max_element(),
+            _ => 0.0,
+        };
+        let pixel = [enter * growth, growth];
         let mut x = Axis::new(origin.x, direction.x, cells[0]);
         let mut z = Axis::new(origin.z, direction.z, cells[1]);
         let mut start = 0.0;
         loop {
             let (next_x, next_z) = (x.next_wall(), z.next_wall());
             let end = next_x.min(next_z).clamp(start, length);
-            if let Some(distance) = self.cell(x.cell, z.cell, origin, direction, start, end) {
+            if let Some(distance) = self.cell([x.cell, z.cell], (origin, direction), [start, end], pixel) {
                 return Some(distance);
             }
             let inside = if next_x <= next_z { x.step() } else { z.step() };
@@ -112,14 +133,28 @@ impl<'a> Surface<'a> {
         }
     }
 
-    /// The first hit in one cell between two distances. `origin` and `direction` are in cells horizontally.
-    fn cell(&self, x: u32, z: u32, origin: DVec3, direction: DVec3, start: f64, end: f64) -> Option<f64> {
+    /// The first hit in one cell between two distances. `origin` and `direction` are in cells horizontally; `pixel` is the
+    /// width of a pixel at the distance 0 and its growth, in cells.
+    fn cell(
+        &self,
+        [x, z]: [u32; 2],
+        (origin, direction): (DVec3, DVec3),
+        [start, end]: [f64; 2],
+        pixel: [f64; 2],
+    ) -> Option<f64> {
         if !self.field.has_ground(x, z) {
             return None;
         }
-        if self.smooth {
-            let (origin, direction) = (origin.to_array(), direction.to_array());
-            return smooth::first_meeting(self.field, self.size.y, origin, direction, [start, end], [x, z]);
+        let arrays = (origin.to_array(), direction.to_array());
+        match self.shape {
+            Shape::Bilinear => {}
+            Shape::Smooth => {
+                return smooth::first_meeting(self.field, self.size.y, arrays.0, arrays.1, [start, end], [x, z]);
+            }
+            Shape::Detailed(detail, _) => {
+                let ground = (self.field, &detail);
+                return fractal::first_meeting(ground, self.size.y, arrays, [start, end], [x, z], pixel);
+            }
         }
         let height = |i: u32, j: u32| f64::from(self.field.sample(i, j)) * self.size.y;
         let corners = [height(x, z), height(x + 1, z), height(x, z + 1), height(x + 1, z + 1)];

@@ -9,7 +9,7 @@ use super::import::{Georeference, ImportOptions, PixelIs, Taken, UnitText};
 use super::{HEIGHT_SCALES, HeightField};
 
 /// The tables of a scene file. A screenshot's scene has the stem of its picture, just as a sidecar would.
-const SCENE_TABLES: [&str; 12] = [
+const SCENE_TABLES: [&str; 13] = [
     "terrain",
     "camera",
     "march",
@@ -21,6 +21,7 @@ const SCENE_TABLES: [&str; 12] = [
     "skybox",
     "occluder",
     "craters",
+    "detail",
     "debug",
 ];
 

@@ -5,9 +5,7 @@
 //! quadratic along each axis, of the 3×3 samples around; in a cell, which holds a quarter of four such squares, 4×4 samples
 //! count. Beyond the border the nearest sample does.
 
-use rayon::prelude::*;
-
-use super::{HeightField, MaxPyramid, NodeRect, SampleRect};
+use super::HeightField;
 
 /// Weights of three samples at the place `u`, 0 to 1 around the middle one.
 fn weights(u: f64) -> [f64; 3] {
@@ -130,71 +128,29 @@ fn first_root(coefficients: &[f64; 5]) -> Option<f64> {
     roots(coefficients).into_iter().next()
 }
 
-/// The highest that the smooth surface of a cell can be, as samples do it: its bounds are the pyramid over them.
+/// A height for a sample such that nowhere in a cell the smooth surface is higher than the highest of its four corners'.
 ///
 /// In a quarter of a cell the surface lies below its Bézier points. Along one axis those are, with the samples a, b, c
 /// around the middle one, (a + 6b + c) / 8 at the sample and means of b and c beside it: so the highest of a cell is at most
 /// that of its four corners, where a corner counts as the highest of its own height and of what it is evened out to along
 /// either axis and along both.
-#[derive(Clone, Debug)]
-pub struct SmoothBounds {
-    bounds: HeightField,
-    pyramid: MaxPyramid,
-}
-
-impl SmoothBounds {
-    /// The bounds of the smooth surface of `field`, which has no holes.
-    pub fn new(field: &HeightField) -> Self {
-        let mut bounds = field.clone();
-        let all = SampleRect { x: 0, y: 0, width: field.width(), height: field.height() };
-        raise(&mut bounds, field, all);
-        let pyramid = MaxPyramid::build(&bounds);
-        Self { bounds, pyramid }
-    }
-
-    /// Brings the bounds up to date with the samples `dirty` of `field`; returns the nodes that may have changed.
-    pub fn update(&mut self, field: &HeightField, dirty: SampleRect) -> Vec<NodeRect> {
-        let (x, y) = (dirty.x.saturating_sub(1), dirty.y.saturating_sub(1));
-        let right = (dirty.x + dirty.width + 1).min(field.width());
-        let bottom = (dirty.y + dirty.height + 1).min(field.height());
-        let wider = SampleRect { x, y, width: right - x, height: bottom - y };
-        raise(&mut self.bounds, field, wider);
-        self.pyramid.update(&self.bounds, wider)
-    }
-
-    /// Maxima over the cells; their layout is that of the samples' own pyramid.
-    pub fn pyramid(&self) -> &MaxPyramid {
-        &self.pyramid
-    }
-}
-
-/// Writes the bounds of the samples `rect` of `field`. A bound is never rounded down.
-fn raise(bounds: &mut HeightField, field: &HeightField, rect: SampleRect) {
-    let units = field.units().map(f64::from);
-    let width = field.width() as usize;
-    let rows = rect.y as usize * width..(rect.y + rect.height) as usize * width;
-    bounds.samples_mut()[rows].par_chunks_mut(width).enumerate().for_each(|(offset, row)| {
-        let y = rect.y + offset as u32;
-        for x in rect.x..rect.x + rect.width {
-            let at = |column: u32, row: u32| f64::from(neighbour(field, x + column, y + row));
-            let even = |a: f64, b: f64, c: f64| 0.125 * (a + c) + 0.75 * b;
-            let evened = |row: u32| even(at(0, row), at(1, row), at(2, row));
-            let down = even(at(1, 0), at(1, 1), at(1, 2));
-            let both = even(evened(0), evened(1), evened(2));
-            let bound = at(1, 1).max(evened(1)).max(down).max(both).min(1.0);
-            row[x as usize] = match units {
-                Some(units) => ((bound * units - 1e-9).ceil() / units) as f32,
-                None if f64::from(bound as f32) < bound => (bound as f32).next_up(),
-                None => bound as f32,
-            };
-        }
-    });
+pub(super) fn bound(field: &HeightField, x: u32, y: u32) -> f64 {
+    let at = |column: u32, row: u32| f64::from(neighbour(field, x + column, y + row));
+    let even = |a: f64, b: f64, c: f64| 0.125 * (a + c) + 0.75 * b;
+    let evened = |row: u32| even(at(0, row), at(1, row), at(2, row));
+    let down = even(at(1, 0), at(1, 1), at(1, 2));
+    let both = even(evened(0), evened(1), evened(2));
+    at(1, 1).max(evened(1)).max(down).max(both)
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::SampleRect;
+    use super::super::bounds::{Rule, SurfaceBounds};
     use super::super::testing::{Numbers, random_field};
     use super::*;
+
+    const SMOOTH: Rule = Rule { smooth: true, detail: None };
 
     #[test]
     fn the_surface_and_its_slope_are_continuous() {
@@ -219,13 +175,13 @@ mod tests {
     fn bounds_lie_above_the_surface_and_not_far() {
         let mut numbers = Numbers::new(8);
         for field in [random_field(17, 12, 5), random_field(17, 12, 6).rounded_to_16_bits()] {
-            let bounds = SmoothBounds::new(&field);
+            let bounds = SurfaceBounds::new(&field, SMOOTH);
             let (mut above, mut samples) = (0.0, 0.0);
             for _ in 0..20_000 {
                 let (x, z) = (numbers.between(0.0, 16.0), numbers.between(0.0, 11.0));
                 let (i, j) = ((x as u32).min(15), (z as u32).min(10));
                 let corners = [(i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1)];
-                let bound = corners.map(|(i, j)| bounds.bounds.sample(i, j)).into_iter().fold(0.0, f32::max);
+                let bound = corners.map(|(i, j)| bounds.bound(i, j)).into_iter().fold(0.0, f32::max);
                 let surface = height(&field, x, z);
                 assert!(surface <= f64::from(bound) + 1e-12, "{surface} at {x}, {z} above {bound}");
                 above += f64::from(bound) - surface;
@@ -240,7 +196,7 @@ mod tests {
     fn updated_bounds_are_those_of_a_fresh_build() {
         let mut numbers = Numbers::new(2);
         let mut field = random_field(41, 23, 7);
-        let mut bounds = SmoothBounds::new(&field);
+        let mut bounds = SurfaceBounds::new(&field, SMOOTH);
         for _ in 0..40 {
             let (x, y) = (numbers.below(41), numbers.below(23));
             let rect = SampleRect { x, y, width: 1 + numbers.below(41 - x), height: 1 + numbers.below(23 - y) };
@@ -250,7 +206,7 @@ mod tests {
                 field.samples_mut()[(row * 41 + column) as usize] = numbers.unit() as f32;
             }
             bounds.update(&field, rect);
-            let fresh = SmoothBounds::new(&field);
+            let fresh = SurfaceBounds::new(&field, SMOOTH);
             assert_eq!(bounds.pyramid(), fresh.pyramid(), "{rect:?}");
         }
     }

@@ -15,22 +15,23 @@ use super::terrain::TerrainUniform;
 use super::{PreparedTerrain, RenderError, Renderer, clouds, flare, occluder, terrain};
 use crate::camera::{Camera, NamedView};
 use crate::gpu::{Gpu, Target};
+use crate::heightfield::bounds::Rule;
 use crate::heightfield::generate::{Kind, generate};
 use crate::heightfield::{Crater, EditedTerrain, HeightField};
 use crate::scene::air::Kilometres;
 use crate::scene::light::{Clock, Shadows, SkyModel};
 use crate::scene::{
     AirSettings, CloudLayer, CloudSettings, CloudSource, ColourSource, CompareSettings, CraterMode, CraterSettings,
-    DebugSettings, DebugView, DiffuseSettings, FlareSettings, GroundColour, HeightFilter, Hillshade, LandSettings,
-    LevelUnit, LightingSettings, MarchSettings, MaterialSettings, OccluderSettings, Ramp, Scene, SkyboxSettings,
-    Technique, TerrainSettings, Water,
+    DebugSettings, DebugView, DetailSettings, DiffuseSettings, FlareSettings, GroundColour, HeightFilter, Hillshade,
+    LandSettings, LevelUnit, LightingSettings, MarchSettings, MaterialSettings, OccluderSettings, Ramp, Scene,
+    SkyboxSettings, Technique, TerrainSettings, Water,
 };
 use crate::scene_file;
 
 /// A scene with every optional number there. Without `..`, so that a new field does not compile before it is here.
 fn full_scene() -> Scene {
     Scene {
-        terrain: TerrainSettings { file: None, height_scale: Some(0.2) },
+        terrain: TerrainSettings { file: None, height_scale: Some(0.2), recipe: None },
         camera: Some(Camera { eye: DVec3::new(0.4, 0.5, 1.5), yaw: 10.0, pitch: -20.0, fov: 50.0 }),
         march: MarchSettings {
             technique: Technique::MaxMipmap,
@@ -42,6 +43,7 @@ fn full_scene() -> Scene {
             lower_start: true,
             discard_misses: true,
         },
+        detail: DetailSettings { strength: 0.5 },
         compare: CompareSettings { enabled: false, technique: Technique::Linear, share: 0.5 },
         diffuse: DiffuseSettings { enabled: true, source: ColourSource::Texture, file: None, repeats: 2.0 },
         land: LandSettings {
@@ -288,7 +290,7 @@ fn a_bad_number_in_any_field_of_a_scene_is_refused_or_harmless() {
                 Ok(scene) => {
                     taken += 1;
                     let mut ground = Ground::new(&gpu, EditedTerrain::new(std::sync::Arc::clone(&map)));
-                    ground.prepare(&gpu, &scene.craters, true, false);
+                    ground.prepare(&gpu, &scene.craters, true, Rule::default());
                     assert_uniforms_are_sound(&format!("{name} = {bad}"), &scene, &ground);
                     let samples = ground.terrain().field().samples();
                     let sound = |height: f32| height.to_bits() == 0 || height.is_normal() && height <= 1.0;

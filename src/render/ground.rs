@@ -6,9 +6,10 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use crate::gpu::Gpu;
+use crate::heightfield::bounds::{Rule, SurfaceBounds};
+use crate::heightfield::fractal::Detail;
 use crate::heightfield::{
     ConeKind, ConeMap, Crater, CraterLayer, Edit, EditedTerrain, HeightField, MaxPyramid, NodeRect, SampleRect,
-    SmoothBounds,
 };
 use crate::scene::{CraterMode, CraterSettings};
 
@@ -37,8 +38,10 @@ pub(super) struct Ground {
     /// Whether the heights on the GPU are those with the craters (the same as those without, while there are none).
     heights_have_craters: bool,
     pyramid: Option<Texture>,
-    /// What the pyramid holds where it bounds the smooth surface, too: of the heights that are on the GPU.
-    bounds: Option<SmoothBounds>,
+    /// What the pyramid holds where it bounds other surfaces, too: of the heights that are on the GPU.
+    bounds: Option<SurfaceBounds>,
+    /// The detail that goes on as the map leaves off, of strength 1.
+    detail: Option<Detail>,
     cones: Cones,
     layer: Option<Layer>,
     uploaded: u64,
@@ -76,6 +79,7 @@ impl Ground {
             heights_have_craters: true,
             pyramid: None,
             bounds: None,
+            detail: None,
             cones: Cones::default(),
             layer: None,
             uploaded: 0,
@@ -83,6 +87,18 @@ impl Ground {
         };
         ground.upload_heights(gpu);
         ground
+    }
+
+    /// The detail of this strength that goes on as the map leaves off; measured once.
+    pub(super) fn detail(&mut self, strength: f64) -> Detail {
+        let base = self.terrain.base();
+        let usual = *self.detail.get_or_insert_with(|| Detail::of(base, 1.0));
+        Detail { amplitude: usual.amplitude * strength, ..usual }
+    }
+
+    /// The detail of the frame that was prepared last.
+    pub(super) fn prepared_detail(&self) -> Option<Detail> {
+        self.bounds.as_ref().and_then(|bounds| bounds.rule().detail)
     }
 
     /// Makes sure that there is room for the pyramid, too, which the first frame may need: were that the first to be
@@ -98,10 +114,10 @@ impl Ground {
         &self.terrain
     }
 
-    /// Brings the textures up to date with the scene's craters and drops what the frame does not need. With `smooth` the
-    /// pyramid bounds the smooth surface, and so the bilinear one, too.
-    pub(super) fn prepare(&mut self, gpu: &Gpu, craters: &CraterSettings, walks_pyramid: bool, smooth: bool) {
-        if smooth != self.bounds.is_some() {
+    /// Brings the textures up to date with the scene's craters and drops what the frame does not need. The
+    /// pyramid bounds the surfaces of `rule`, and the bilinear one in any case.
+    pub(super) fn prepare(&mut self, gpu: &Gpu, craters: &CraterSettings, walks_pyramid: bool, rule: Rule) {
+        if rule != self.bounds.as_ref().map(SurfaceBounds::rule).unwrap_or_default() {
             (self.bounds, self.pyramid) = (None, None);
         }
         let edit = self.terrain.set_craters(&craters.list);
@@ -118,8 +134,8 @@ impl Ground {
             self.heights_have_craters = true;
             self.upload_edit(gpu, edit);
         }
-        if smooth && self.bounds.is_none() {
-            self.bounds = Some(SmoothBounds::new(self.resident()));
+        if rule.is_any() && self.bounds.is_none() {
+            self.bounds = Some(SurfaceBounds::new(self.resident(), rule));
         }
         match (walks_pyramid, self.pyramid.is_some()) {
             (true, false) => self.upload_pyramid(gpu),
@@ -225,9 +241,11 @@ impl Ground {
         PyramidLayout::new([finest.width, finest.height], self.top_level())
     }
 
-    /// The highest ground, normalised. With a layer it is not known without reading all of both, so it is the lid.
+    /// The highest ground, normalised. With a layer it is not known without reading all of both, and
+    /// invented detail is cut off by the box alone: so it is the lid.
     pub(super) fn highest(&self) -> f32 {
-        if self.layer.is_some() { 1.0 } else { self.terrain.pyramid().top() }
+        let raised = self.bounds.as_ref().is_some_and(|bounds| bounds.rule().detail.is_some());
+        if self.layer.is_some() || raised { 1.0 } else { self.terrain.pyramid().top() }
     }
 
     pub(super) fn list(&self, entries: &mut Vec<TextureEntry>) {
@@ -307,7 +325,7 @@ impl Ground {
         let mut uploaded = self.upload_samples(gpu, field, edit.samples);
         let of_bounds = self.bounds.as_mut().map(|bounds| bounds.update(self.terrain.field(), edit.samples));
         if let Some(texture) = &self.pyramid {
-            let pyramid = self.bounds.as_ref().map_or(self.terrain.pyramid(), SmoothBounds::pyramid);
+            let pyramid = self.bounds.as_ref().map_or(self.terrain.pyramid(), SurfaceBounds::pyramid);
             let levels = pyramid.levels();
             for &NodeRect { level, x, y, width, height } in of_bounds.as_ref().unwrap_or(&edit.nodes) {
                 if level <= self.top_level() {

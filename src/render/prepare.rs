@@ -5,6 +5,7 @@ use std::sync::Arc;
 use glam::{DMat4, DVec3, DVec4};
 
 use crate::camera::{Camera, NamedView};
+use crate::heightfield::bounds::Rule;
 use crate::heightfield::{ConeKind, ConeMap};
 use crate::scene::light::Shadows;
 use crate::scene::{CraterMode, DebugView, Scene};
@@ -102,6 +103,20 @@ impl Renderer {
         let over_holes = |key: TerrainKey| key.over_holes(has_holes);
         let terrains: Vec<_> =
             terrains(scene, size, aim, view.deep).into_iter().map(|(side, key)| (side, over_holes(key))).collect();
+        if has_holes && terrains.iter().any(|(_, key)| key.is_fractal()) {
+            return Err(RenderError::Impossible {
+                what: "invented detail on a map with holes",
+                why: "how rough it is follows from the samples around",
+                instead: "fill the holes (--holes fill), or choose another technique",
+            });
+        }
+        if terrains.iter().any(|(_, key)| key.is_fractal() && key.layered) {
+            return Err(RenderError::Impossible {
+                what: "invented detail on layered craters",
+                why: "its bounds are those of the heights that the craters are baked into",
+                instead: "bake the craters (craters.mode = \"baked\"), or choose another technique",
+            });
+        }
         if has_holes && terrains.iter().any(|(_, key)| key.is_smooth()) {
             return Err(RenderError::Impossible {
                 what: "the smooth surface of a map with holes",
@@ -128,8 +143,11 @@ impl Renderer {
                 || bakes
                 || water.is_some()
                 || light.occluder;
-            let smooth = terrains.iter().any(|(_, key)| key.is_smooth());
-            ground.prepare(&self.gpu, &scene.craters, walked, smooth);
+            let rule = Rule {
+                smooth: terrains.iter().any(|(_, key)| key.is_smooth()),
+                detail: terrains.iter().any(|(_, key)| key.is_fractal()).then(|| ground.detail(scene.detail.strength)),
+            };
+            ground.prepare(&self.gpu, &scene.craters, walked, rule);
             let kinds: Vec<_> = terrains.iter().filter_map(|(_, key)| key.needs_cones()).collect();
             ground.prepare_cones(&self.gpu, &scene.craters, &kinds, &|_| {});
             if !probe && let Some(rect) = ground.take_changed() {
@@ -222,7 +240,7 @@ impl Renderer {
     pub fn prepare_cones(&mut self, scene: &Scene, progress: &(dyn Fn(f32) + Sync)) {
         let key = TerrainKey::of(scene, false);
         let (Some(ground), Some(kind)) = (&mut self.ground, key.needs_cones()) else { return };
-        ground.prepare(&self.gpu, &scene.craters, key.needs_pyramid(), key.is_smooth());
+        ground.prepare(&self.gpu, &scene.craters, key.needs_pyramid(), Rule::default());
         ground.prepare_cones(&self.gpu, &scene.craters, &[kind], progress);
         self.uploaded += ground.take_uploaded();
     }

@@ -4,13 +4,14 @@ use glam::{DMat4, DVec3, DVec4};
 
 use crate::camera::Camera;
 use crate::gpu::Gpu;
+use crate::heightfield::fractal::Detail;
 
 use super::anchor::{AnchorUniform, MOST_ANCHORS};
 use super::atmosphere::Atmosphere;
 use super::beam::{Beams, Tiles};
 use super::cube::corner;
 use super::drape::Drape;
-use super::frame::{corner_sampler_entry, sampler_entry, texture_entry, uniform_buffer, uniform_entry};
+use super::frame::{corner_sampler_entry, sampler_entry, storage_entry, texture_entry, uniform_buffer, uniform_entry};
 use super::ground::Ground;
 use super::land::Land;
 use super::light::{self, LightBindings};
@@ -35,6 +36,8 @@ const GIVEN_DISTANCES: u32 = 12;
 const EXACT_DISTANCES: u32 = 13;
 /// Binding of what deep zooms count from.
 const ANCHOR: u32 = 14;
+/// Binding of what invented detail is made of.
+const DETAIL: u32 = 60;
 
 /// What `ground.wgsl` may import, and itself. The composer wants a module that any def could import; what is not imported is
 /// not composed.
@@ -44,7 +47,14 @@ pub(super) const GROUND_MODULES: [&str; 6] =
 pub(super) fn describe(key: TerrainKey) -> PassDescription {
     let filtered = key.filters_heights();
     let mut bindings = vec![uniform_entry::<TerrainUniform>(0)];
-    let mut modules = vec!["frame.wgsl", "heightfield.wgsl", "varyings.wgsl", "light.wgsl", "march/smooth.wgsl"];
+    let mut modules = vec![
+        "frame.wgsl",
+        "heightfield.wgsl",
+        "varyings.wgsl",
+        "light.wgsl",
+        "march/smooth.wgsl",
+        "march/fractal.wgsl",
+    ];
     if key.deep {
         modules.push("anchor.wgsl");
     }
@@ -82,6 +92,9 @@ pub(super) fn describe(key: TerrainKey) -> PassDescription {
     }
     if key.needs_pyramid() {
         bindings.push(texture_entry(3, false, false));
+    }
+    if key.is_fractal() {
+        bindings.push(storage_entry::<[f32; 4]>(DETAIL));
     }
     if key.starts_from_beams() {
         bindings.push(texture_entry(8, false, false));
@@ -171,6 +184,7 @@ pub(super) struct Textures<'a> {
 pub(super) struct TerrainBindings {
     buffer: wgpu::Buffer,
     anchors: wgpu::Buffer,
+    detail: wgpu::Buffer,
     pub(super) light: LightBindings,
     corner_sampler: wgpu::Sampler,
     height_sampler: wgpu::Sampler,
@@ -195,6 +209,12 @@ impl TerrainBindings {
         Self {
             buffer: uniform_buffer::<TerrainUniform>(gpu, "terrain"),
             anchors: uniform_buffer::<[AnchorUniform; MOST_ANCHORS]>(gpu, "anchors"),
+            detail: gpu.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("detail"),
+                size: size_of::<[f32; 4]>() as u64,
+                usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            }),
             light: LightBindings::new(gpu),
             corner_sampler: gpu
                 .device
@@ -243,6 +263,11 @@ impl TerrainBindings {
         textures: &Textures<'_>,
     ) -> Option<wgpu::BindGroup> {
         self.write(gpu, uniform);
+        if key.is_fractal() {
+            let Detail { amplitude, gain } = textures.ground.prepared_detail()?;
+            let numbers = [amplitude as f32, gain as f32, 0.0, 0.0];
+            gpu.queue.write_buffer(&self.detail, 0, bytemuck::bytes_of(&numbers));
+        }
         let mut entries = self.entries(&self.buffer, key, uniform.repeats, textures)?;
         if key.starts_from_beams() {
             entries.push((8, wgpu::BindingResource::TextureView(textures.beams?.starts(Tiles::Fine))));
@@ -279,6 +304,9 @@ impl TerrainBindings {
         }
         if key.needs_pyramid() {
             entries.push((3, view(ground.pyramid()?)));
+        }
+        if key.is_fractal() {
+            entries.push((DETAIL, self.detail.as_entire_binding()));
         }
         if key.light.needs_map() {
             entries.extend(light_map?.entries());

@@ -121,17 +121,17 @@ impl TerrainKey {
     /// The same for a view that is a deep zoom, or none. Only the exact technique is precise enough to need more than f32
     /// has: the others are wrong by more than that, and what is given as an f32 distance has lost it already.
     pub(super) fn in_a_deep_zoom(self, deep: bool) -> Self {
-        Self { deep: deep && self.starts_from_beams() && !self.is_smooth(), ..self }
+        Self { deep: deep && self.starts_from_beams() && !self.is_another_surface(), ..self }
     }
 
     /// The same counting texel reads. Only the exact technique's differ from its steps by more than a factor.
     pub(super) fn counting_reads(self) -> Self {
-        Self { counts: self.starts_from_beams() && !self.is_smooth() && !self.deep, ..self }
+        Self { counts: self.starts_from_beams() && !self.is_another_surface() && !self.deep, ..self }
     }
 
     /// The same over a map with holes, or without.
     pub(super) fn over_holes(self, holes: bool) -> Self {
-        Self { holes: holes && self.reads_heights() && !self.is_smooth(), ..self }
+        Self { holes: holes && self.reads_heights() && !self.is_another_surface(), ..self }
     }
 
     /// Whether the pass finds out where the ground is.
@@ -171,6 +171,16 @@ impl TerrainKey {
     /// Whether the ground is the smooth surface.
     pub(super) fn is_smooth(&self) -> bool {
         self.marches() && self.technique == Technique::Smooth
+    }
+
+    /// Whether the ground has invented detail.
+    pub(super) fn is_fractal(&self) -> bool {
+        self.marches() && self.technique == Technique::Fractal
+    }
+
+    /// Whether the ground is not the bilinear one.
+    pub(super) fn is_another_surface(&self) -> bool {
+        self.is_smooth() || self.is_fractal()
     }
 
     /// Whether the maximum pyramid is walked: by the technique, or towards the sun.
@@ -268,7 +278,9 @@ impl TerrainKey {
         }
         keys.extend(Self::some_with_air());
         keys.extend(Self::some_with_materials());
-        keys.extend(Self::some_of_the_smooth_surface());
+        for technique in [Technique::Smooth, Technique::Fractal] {
+            keys.extend(Self::some_of_another_surface(technique));
+        }
         keys.into_iter().collect()
     }
 
@@ -305,11 +317,11 @@ impl TerrainKey {
         })
     }
 
-    /// The smooth surface in each view, lit and not, and as a probe.
+    /// A surface that is not the bilinear one in each view, lit and not, and as a probe.
     #[cfg(test)]
-    fn some_of_the_smooth_surface() -> impl Iterator<Item = Self> {
+    fn some_of_another_surface(technique: Technique) -> impl Iterator<Item = Self> {
         let mut scene = Scene::default();
-        scene.march.technique = Technique::Smooth;
+        scene.march.technique = technique;
         let mut keys = vec![Self::of(&scene, true)];
         for view in DebugView::ALL {
             scene.debug.view = view;
@@ -335,6 +347,7 @@ impl TerrainKey {
             (self.filter == HeightFilter::Nearest, "FILTER_NEAREST"),
             (self.starts_from_beams(), "BEAM"),
             (self.is_smooth(), "SMOOTH_SURFACE"),
+            (self.is_fractal(), "FRACTAL_SURFACE"),
             (self.shading_normal(), "SHADING_NORMAL"),
             (self.deep, "DEEP_ZOOM"),
             (self.counts, "COUNT_READS"),
@@ -371,7 +384,7 @@ impl TerrainKey {
             Technique::Cone => "march/cone.wgsl",
             Technique::RelaxedCone => "march/relaxed-cone.wgsl",
             Technique::MaxMipmap if self.deep => "march/max-mipmap-deep.wgsl",
-            Technique::MaxMipmap | Technique::Smooth => "march/max-mipmap.wgsl",
+            Technique::MaxMipmap | Technique::Smooth | Technique::Fractal => "march/max-mipmap.wgsl",
         }
     }
 }

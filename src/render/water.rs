@@ -7,6 +7,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::{DMat4, DVec3, Vec3};
 
 use crate::gpu::{Gpu, PROBE_FORMAT, Target, read_texture, sized_texture};
+use crate::heightfield::bounds::Rule;
 use crate::scene::{DebugView, Scene, Technique, Water};
 
 use super::cube::in_view;
@@ -354,7 +355,8 @@ impl Renderer {
         let none = vec![None; size[0] as usize * size[1] as usize];
         let Some(key) = self.water_key(scene, view.deep, true) else { return Ok(none) };
         if let Some(ground) = &mut self.ground {
-            ground.prepare(&self.gpu, &scene.craters, true, key.ground.is_smooth());
+            let rule = Rule { smooth: key.ground.is_smooth(), ..Rule::default() };
+            ground.prepare(&self.gpu, &scene.craters, true, rule);
             self.uploaded += ground.take_uploaded();
         }
         self.frame.write(&self.gpu, &FrameUniform::new(&view.camera, size, view.extent, scene.skybox.flattening));

@@ -1,5 +1,6 @@
 //! The study's Table 1, remade: what each feature costs, as a ratio to one base frame.
 
+use std::path::PathBuf;
 use std::time::Instant;
 
 use serde::Serialize;
@@ -56,18 +57,20 @@ const FLARE: &str = "lens flare, the sun in the picture's upper third";
 type Change<'a> = (&'static str, Option<f64>, &'a dyn Fn(&mut Scene));
 
 /// The base frame first, then one change at a time, and each of the techniques `able`.
-fn variants(job: &Job, scene: &Scene, able: &[Technique]) -> Vec<(String, Scene, Option<f64>)> {
+fn variants(job: &Job, scene: &Scene, able: &[Technique], coverage: &[PathBuf]) -> Vec<(String, Scene, Option<f64>)> {
     let mut base = scene.clone();
     Setting::BASE.apply(&mut base.march);
     base.lighting.enabled = true;
     base.lighting.shadows = Shadows::Off;
     (base.lighting.baked, base.lighting.occlusion) = (false, false);
     base.skybox.model = SkyModel::Painted;
+    base.occluder.enabled = false;
+    base.materials.coverage.clear();
     base.water = Water::default();
     (base.air, base.clouds, base.flare) = Default::default();
     (base.land, base.diffuse.source) = (LandSettings::default(), ColourSource::Texture);
     let list = craters(job);
-    let changes: [Change<'_>; 29] = [
+    let changes: [Change<'_>; 33] = [
         ("base frame", None, &|_| {}),
         ("without halvings", None, &|scene| scene.march.binary_steps = 0),
         ("fixed steps (512) instead of by angle", None, &|scene| scene.march.steps_by_angle = false),
@@ -92,6 +95,10 @@ fn variants(job: &Job, scene: &Scene, able: &[Technique]) -> Vec<(String, Scene,
             (scene.lighting.shadows, scene.lighting.baked) = (Shadows::Soft, true);
         }),
         ("ambient occlusion", None, &|scene| scene.lighting.occlusion = true),
+        ("the occluder", None, &|scene| scene.occluder.enabled = true),
+        ("the occluder, hard shadows of it and of hills", None, &|scene| {
+            (scene.occluder.enabled, scene.lighting.shadows) = (true, Shadows::Hard);
+        }),
         ("light of a physical sky", None, &|scene| {
             (scene.skybox.enabled, scene.skybox.model) = (true, SkyModel::Physical);
         }),
@@ -112,10 +119,15 @@ fn variants(job: &Job, scene: &Scene, able: &[Technique]) -> Vec<(String, Scene,
             (scene.diffuse.enabled, scene.diffuse.source) = (true, ColourSource::Materials);
             scene.materials.relief = 0.0;
         }),
+        ("materials by a coverage map", None, &|scene| {
+            (scene.diffuse.enabled, scene.diffuse.source) = (true, ColourSource::Materials);
+            scene.materials.coverage = coverage.to_vec();
+        }),
         ("a sea over a third of the height", None, &|scene| {
             (scene.water.enabled, scene.water.level) = (true, Some(1.0 / 3.0));
         }),
         ("`smooth`: another surface, without creases", None, &|scene| scene.march.technique = Technique::Smooth),
+        ("`fractal`: ground with invented detail", None, &|scene| scene.march.technique = Technique::Fractal),
         ("without a diffuse texture", None, &|scene| scene.diffuse.enabled = !scene.diffuse.enabled),
     ];
     let changed = |change: &dyn Fn(&mut Scene)| {
@@ -135,6 +147,21 @@ fn variants(job: &Job, scene: &Scene, able: &[Technique]) -> Vec<(String, Scene,
     features.chain(techniques).collect()
 }
 
+/// Samples along each side of the coverage map that is measured.
+const COVERAGE: u32 = 512;
+
+/// A coverage map for as long as it is measured: stripes of grass, rock, scree and snow.
+fn coverage_map() -> std::io::Result<tempfile::TempPath> {
+    let file = tempfile::Builder::new().prefix("relief-coverage-").suffix(".png").tempfile()?;
+    let picture = image::RgbaImage::from_fn(COVERAGE, COVERAGE, |x, y| {
+        let mut weights = [0; 4];
+        weights[((x + y) / 32 % 4) as usize] = u8::MAX;
+        image::Rgba(weights)
+    });
+    picture.save_with_format(file.path(), image::ImageFormat::Png).map_err(std::io::Error::other)?;
+    Ok(file.into_temp_path())
+}
+
 /// Measures every feature in every view, `budget_s` seconds each. `able` are the techniques that could be prepared.
 pub(super) fn measure(
     studio: &mut Studio,
@@ -148,7 +175,15 @@ pub(super) fn measure(
     left_out.push(String::from(
         "Table 1, depth output: rays write their own depth, or nothing could be hidden by hills; it cannot be switched off",
     ));
-    let mut variants = variants(job, scene, able);
+    let imagery = "Table 1, placed imagery: it needs a picture that says where it lies, and a map that does";
+    left_out.push(imagery.to_owned());
+    let coverage = coverage_map();
+    let files: Vec<_> = coverage.iter().map(|file| file.to_path_buf()).collect();
+    let mut variants = variants(job, scene, able, &files);
+    if let Err(error) = &coverage {
+        left_out.push(format!("Table 1, materials by a coverage map: none could be written: {error}"));
+        variants.retain(|(name, ..)| name != "materials by a coverage map");
+    }
     *features = variants
         .iter()
         .map(|(name, _, known)| Feature { name: name.clone(), views: Vec::new(), in_2009: *known })

@@ -155,6 +155,48 @@ impl MaterialSettings {
         Ok(())
     }
 
+    /// The settings with the thresholds that count over a map whose lowest and highest sample are `range` in metres, where
+    /// they are known. While aridity, slopes and levels are all as at first, the map chooses them: one in metres is taken for
+    /// dry land of the middle latitudes, with snow from 3500 m; on any other its heights count for less than they are drawn,
+    /// because nobody knows them, and snow lies on its highest third.
+    #[must_use]
+    pub fn for_map(&self, range: Option<[f64; 2]>) -> Self {
+        let chosen = |of: &Self| {
+            (
+                [of.aridity, of.scree_slope, of.rock_slope, of.snow_slope],
+                of.levels,
+                [of.snow_line, of.tree_line, of.sand_line, of.sea_level],
+            )
+        };
+        if chosen(self) != chosen(&Self::default()) {
+            return self.clone();
+        }
+        match range {
+            Some([low, high]) => {
+                let metres = |share: f32| (low + f64::from(share) * (high - low)) as f32;
+                let (sand_line, sea_level) = (metres(self.sand_line), metres(self.sea_level));
+                let levels = LevelUnit::Metres;
+                Self {
+                    aridity: 0.75,
+                    levels,
+                    snow_line: 3500.0,
+                    tree_line: 3000.0,
+                    sand_line,
+                    sea_level,
+                    ..self.clone()
+                }
+            }
+            None => Self {
+                scree_slope: 48.0,
+                rock_slope: 56.0,
+                snow_slope: 70.0,
+                snow_line: 0.66,
+                tree_line: 0.5,
+                ..self.clone()
+            },
+        }
+    }
+
     /// The levels of snow, trees, sand and sea as shares of the map's height, whose lowest and highest sample are `range` in
     /// metres where they are known.
     pub fn level_shares(&self, range: Option<[f64; 2]>) -> Option<[f32; 4]> {
@@ -191,6 +233,19 @@ mod tests {
         assert_eq!(settings.level_shares(Some([1000.0, 3000.0])), Some([1.0, 0.5, 0.005, 0.0]));
         assert!(settings.level_shares(Some([5.0, 5.0])).unwrap().iter().all(|share| share.is_finite()), "a flat map");
         assert!(MaterialSettings::default().level_shares(None).is_some());
+    }
+
+    #[test]
+    fn the_map_chooses_what_nobody_has() {
+        let usual = MaterialSettings { scale: 3.0, ..Default::default() };
+        let canyon = usual.for_map(Some([600.0, 2700.0]));
+        assert_eq!((canyon.levels, canyon.scale, canyon.sea_level), (LevelUnit::Metres, 3.0, 600.0));
+        assert!(canyon.snow_line > 2700.0 && canyon.aridity > usual.aridity, "no snow on the canyon");
+        let made = usual.for_map(None);
+        assert!(made.snow_line < 0.74 && made.rock_slope > usual.rock_slope, "peaks have snow, and not all is rock");
+        assert_eq!(made.for_map(None), made, "what is chosen stays");
+        let own = MaterialSettings { snow_line: 0.9, ..Default::default() };
+        assert_eq!(own.for_map(Some([0.0, 9.0])), own);
     }
 
     #[test]

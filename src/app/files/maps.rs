@@ -7,6 +7,7 @@ use glam::DVec3;
 
 use crate::camera::Camera;
 use crate::heightfield::gallery::{CANYON_NAME, Piece};
+use crate::heightfield::generate::Recipe;
 use crate::heightfield::import::ImportOptions;
 use crate::heightfield::{Crater, Sidecar};
 use crate::scene::Scene;
@@ -18,16 +19,27 @@ pub(crate) enum Source {
     Canyon,
     /// Made from a recipe that ships.
     Piece(Piece),
+    /// Made from a recipe of the user's.
+    Made(Box<Recipe>),
     /// A file, absolute.
     File(PathBuf),
 }
 
 impl Source {
+    /// What it is made from, where that is the user's recipe.
+    pub(crate) fn recipe(&self) -> Option<&Recipe> {
+        match self {
+            Self::Made(recipe) => Some(recipe),
+            _ => None,
+        }
+    }
+
     /// What to call it before it is open.
     pub(crate) fn name(&self) -> String {
         match self {
             Self::Canyon => CANYON_NAME.to_owned(),
             Self::Piece(piece) => piece.name().to_owned(),
+            Self::Made(recipe) => recipe.title(),
             Self::File(path) => path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned(),
         }
     }

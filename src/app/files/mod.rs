@@ -38,6 +38,7 @@ use super::panel;
 use super::viewer::Viewer;
 use super::window::UserEvent;
 use crate::heightfield::gallery::Piece;
+use crate::heightfield::generate::Recipe;
 use crate::heightfield::import::ImportOptions;
 use crate::heightfield::{Provenance, companions};
 
@@ -80,6 +81,8 @@ pub(crate) enum FilesEvent {
     NoDialogue,
     /// The edited map was written, or could not be.
     Saved(Result<String, String>),
+    /// A made landscape was written to this file, or could not be.
+    Made(PathBuf, Result<String, String>),
 }
 
 /// A file that nobody can open without being told more.
@@ -122,11 +125,18 @@ pub(crate) struct Files {
 
 impl Files {
     /// Of a viewer that opens with a map of this origin, and goes on to `more` files, opened with the same options.
-    pub(crate) fn new(provenance: Option<Provenance>, title: &str, more: Vec<PathBuf>, said: &ImportOptions) -> Self {
+    /// Without a file it is what `recipe` makes, or the Grand Canyon.
+    pub(crate) fn new(
+        provenance: Option<Provenance>,
+        (title, recipe): (&str, Option<&Recipe>),
+        more: Vec<PathBuf>,
+        said: &ImportOptions,
+    ) -> Self {
         let recent = Recent::read();
         let mut files = Self { recent, ..Self::default() };
         let path = provenance.as_ref().and_then(|provenance| provenance.path.clone());
-        let first = path.map_or(Source::Canyon, |path| Source::File(absolute(&path)));
+        let built_in = || recipe.map_or(Source::Canyon, |recipe| Source::Made(Box::new(recipe.clone())));
+        let first = path.map_or_else(built_in, |path| Source::File(absolute(&path)));
         let index = files.maps.add(first.clone(), said.clone());
         files.maps.arrive(index, title);
         for path in more {
@@ -151,6 +161,15 @@ impl Files {
         self.maps.failed(source);
     }
 
+    /// The made map on screen is another one now.
+    pub(crate) fn renew(&mut self, about: &About) {
+        if let Some(map) = self.maps.current_mut() {
+            (map.source, map.title) = (about.source.clone(), Some(about.title.clone()));
+        }
+        self.card = Card::of(&about.provenance);
+        self.provenance = Some(about.provenance.clone());
+    }
+
     /// Whether anything is being done that changes what is on screen.
     pub(crate) fn is_busy(&self) -> bool {
         self.saving || self.drops.is_waiting()
@@ -158,7 +177,7 @@ impl Files {
 }
 
 /// The same path, whatever folder the program goes to.
-fn absolute(path: &Path) -> PathBuf {
+pub(crate) fn absolute(path: &Path) -> PathBuf {
     std::path::absolute(path).unwrap_or_else(|_| path.into())
 }
 
@@ -226,6 +245,8 @@ impl Viewer {
             let _ = proxy.send_event(UserEvent::Loaded);
         };
         self.files.since = Some(Instant::now());
+        // Were it to come later, it would take the new map's place.
+        self.generator.forget();
         self.redraw.invalidate();
         if let Err(error) = self.loader.start(request, done) {
             self.files.maps.target = None;
@@ -351,6 +372,7 @@ impl Viewer {
                 self.files.choosing = false;
                 self.files.browser = Some(Browser::new(self.start_folder()));
             }
+            FilesEvent::Made(path, result) => self.made_was_saved(&path, result, now),
             FilesEvent::Saved(result) => {
                 self.files.saving = false;
                 match result {

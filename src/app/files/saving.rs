@@ -34,7 +34,8 @@ impl SaveForm {
                 Some(Source::Piece(piece)) => {
                     (folder, Path::new(piece.file_name()).file_stem().map(|stem| stem.to_string_lossy().into_owned()))
                 }
-                _ => (folder, Some("grand-canyon".to_owned())),
+                Some(Source::Made(recipe)) => (folder, Some(format!("{}-{}", recipe.kind.name(), recipe.seed))),
+                Some(Source::Canyon) | None => (folder, Some("grand-canyon".to_owned())),
             };
             let stem = stem.unwrap_or_else(|| "map".to_owned());
             self.typed = folder.join(format!("{stem}-edited.tif")).display().to_string();

@@ -8,8 +8,11 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 
 use super::*;
+use crate::app::files::maps::Source;
 use crate::camera::NamedView;
 use crate::heightfield::HeightField;
+use crate::heightfield::generate::{Kind, Recipe};
+use crate::heightfield::import::ImportOptions;
 use crate::scene::light::{Shadows, SkyModel};
 use crate::scene::{ColourSource, CraterMode, DebugView, GroundColour, Hillshade, Technique};
 
@@ -186,8 +189,15 @@ const OFF: [(&str, &str); 9] = [
 
 /// States that differ in what they grey out.
 const STATES: [fn(&mut State); 3] = [
-    |_| {},
+    |state| state.view.generate.recipe = Recipe::new(Kind::DiamondSquare, 5),
     |state| {
+        // A made landscape, whole and with rain, that is also being made.
+        let mut recipe = Recipe { size: [3; 2], octaves: Some(6), ..Recipe::new(Kind::Ridged, 5) };
+        (recipe.hydraulic.drops, recipe.thermal.iterations) = (0.5, 10);
+        let made = Source::Made(Box::new(recipe.clone()));
+        let index = state.files.maps.add(made, ImportOptions::default());
+        state.files.maps.arrive(index, "made");
+        (state.view.generate.recipe, state.view.generate.share) = (recipe, Some(0.5));
         let land = &mut state.scene.land;
         (land.colour, land.low, land.high) = (GroundColour::Ramp, Some(0.1), Some(0.8));
         (land.contours, land.contour_interval, land.hillshade) = (true, Some(0.1), Hillshade::Sun);
@@ -198,6 +208,8 @@ const STATES: [fn(&mut State); 3] = [
         state.scene.skybox.model = SkyModel::Physical;
     },
     |state| {
+        state.scene.march.technique = Technique::Fractal;
+        state.view.generate.recipe = Recipe::new(Kind::Warped, 5);
         state.scene.land.colour = GroundColour::Slope;
         state.scene.diffuse.source = ColourSource::Materials;
         state.scene.materials.coverage = vec!["a.png".into()];

@@ -104,7 +104,9 @@ fn shades(ui: &mut Ui, land: &mut LandSettings) {
         name: value.name(),
         tooltip: match value {
             Hillshade::Off => "Lit as the lighting says.",
-            Hillshade::Sun => "From the sun's direction, in place of the lighting. Four gathers of heights per pixel.",
+            Hillshade::Sun => {
+                "From the sun's direction, never lower than 5.7°, in place of the lighting. Four gathers of heights per pixel."
+            },
             Hillshade::Multidirectional => {
                 "From four directions, so that no valley lies in the dark (Mark 1992). Four gathers of heights per pixel."
             }

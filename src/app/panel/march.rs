@@ -4,7 +4,7 @@ use egui::Ui;
 
 use super::Panel;
 use super::widgets::{Choice, Number, choose, section, toggle};
-use crate::scene::{HeightFilter, MarchSettings, Technique};
+use crate::scene::{DetailSettings, HeightFilter, MarchSettings, Technique};
 
 const EXACT: &str = "the technique finds the surface itself and takes no samples";
 
@@ -15,12 +15,18 @@ pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
         let march = &mut panel.scene.march;
         if reset {
             *march = MarchSettings::default();
+            panel.scene.detail = DetailSettings::default();
         }
         technique(ui, march);
         // Both halves of a split picture take the same settings.
         let drawn: Vec<_> = std::iter::once(march.technique).chain(compared).collect();
         samples(ui, march, &drawn);
         filter(ui, march, &drawn, panel.facts.filterable_heights);
+        let invents = drawn.contains(&Technique::Fractal);
+        let tooltip = "Heights of what fractal invents, over those that go on as the map leaves off. 0 is none. Higher ones take longer.";
+        Number::new("Detail strength", tooltip)
+            .disabled_when(!invents, "only the technique fractal invents detail")
+            .slider(ui, &mut panel.scene.detail.strength, 0.0..=4.0);
         let tooltip = "Rays start at the height of the highest terrain and not at the lid of the box. Saves steps.";
         toggle(ui, &mut march.lower_start, "Lower start", tooltip);
         let tooltip = "Rays that meet nothing are discarded, which gives the terrain its silhouette; otherwise they \
@@ -53,7 +59,11 @@ fn technique(ui: &mut Ui, march: &mut MarchSettings) {
             Technique::MaxMipmap => "Exact: skips along a pyramid of maxima and meets the bilinear surface itself.",
             Technique::Smooth => {
                 "Another surface: rounded between the samples, without the creases of the bilinear one. Takes longer in each \
-                 cell that a ray comes near, and a map without holes."
+                 cell that a ray comes near, and a map without holes. Shadows, the probe and contours are those of the bilinear one."
+            }
+            Technique::Fractal => {
+                "Ground with invented detail: between the samples, which stay as they are, and near the eye, noise as rough as the \
+                 map. Takes several times as long near the eye, and a map without holes."
             }
         },
     });

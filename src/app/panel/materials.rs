@@ -22,9 +22,15 @@ pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
         source(ui, &mut diffuse.source, diffuse.enabled);
         let off = (diffuse.source != ColourSource::Materials || !diffuse.enabled)
             .then_some("the ground's colour is not that of materials");
-        looks(ui, settings, off);
-        slopes(ui, settings, off);
-        levels(ui, settings, off, metres, panel.facts.range);
+        // What is shown is what counts; the first change takes it over from the map.
+        let mut shown = settings.for_map(metres.then_some(panel.facts.range));
+        let before = shown.clone();
+        looks(ui, &mut shown, off);
+        slopes(ui, &mut shown, off);
+        levels(ui, &mut shown, off, metres, panel.facts.range);
+        if shown != before {
+            *settings = shown;
+        }
         coverage(ui, settings, path);
     });
 }

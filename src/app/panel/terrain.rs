@@ -16,7 +16,8 @@ pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
     section(ui, "Terrain", true, Some(reset), |ui, reset| {
         let Panel { scene, view, facts, commands, .. } = panel;
         if reset {
-            scene.terrain = TerrainSettings { file: scene.terrain.file.take(), ..TerrainSettings::default() };
+            let (file, recipe) = (scene.terrain.file.take(), scene.terrain.recipe.take());
+            scene.terrain = TerrainSettings { file, recipe, ..TerrainSettings::default() };
         }
         fact(ui, "Map", facts.title.as_str());
         fact(ui, "Samples", format!("{} × {}", facts.samples[0], facts.samples[1]));

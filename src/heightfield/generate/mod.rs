@@ -18,6 +18,7 @@ mod plane;
 mod recipe;
 pub mod recipe_file;
 mod ridged;
+pub mod saving;
 mod thermal;
 mod warped;
 mod work;

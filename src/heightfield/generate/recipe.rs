@@ -185,6 +185,12 @@ impl Recipe {
         }
     }
 
+    /// What to call the landscape: its kind, its seed, and whether it was eroded.
+    pub fn title(&self) -> String {
+        let eroded = self.hydraulic.drops > 0.0 || self.thermal.iterations > 0;
+        format!("{} {}{}", self.kind.name(), self.seed, if eroded { ", eroded" } else { "" })
+    }
+
     /// Checks that a landscape can be made: every number finite and inside its range.
     ///
     /// # Errors

@@ -96,8 +96,9 @@ impl MaterialsUniform {
     /// What `scene` asks for over `ground` in a box of the size `extent`; `None` where its levels are metres that the map
     /// does not know.
     pub(crate) fn new(scene: &Scene, ground: &Ground, extent: DVec3) -> Option<Self> {
-        let (settings, field) = (&scene.materials, ground.terrain().base());
+        let field = ground.terrain().base();
         let range = field.extent_metres().map(|_| field.range());
+        let settings = &scene.materials.for_map(range);
         let levels = settings.level_shares(range)?.map(|share| share * extent.y as f32);
         let cells = f64::from(field.cells()[0]) / extent.x;
         let fine = cells / f64::from(settings.scale);
