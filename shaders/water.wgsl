@@ -264,9 +264,8 @@ fn fs_main(in: varyings::Varyings) -> Fragment {
     let is_above = water.deep_and_submerged.w < 0.0;
     let begin = select(max(into, -frame.ray_start), -frame.ray_start, submerged);
     let direction = eye_ray.direction / length_of_direction;
-    if (begin > end && !submerged) || (is_above && direction.y >= 0.0) {
-        discard;
-    }
+    // Nothing of the water is seen there. Discarded at the end: a software rasteriser goes on after a `discard`, and would walk.
+    var hidden = (begin > end && !submerged) || (is_above && direction.y >= 0.0);
     let origin = eye_ray.origin + eye_ray.direction * begin;
     // Where single precision puts an eye above the surface into the water, the ray comes in through the surface.
     let from_above = is_above && (faces.enter.y == into || into <= -frame.ray_start);
@@ -275,7 +274,7 @@ fn fs_main(in: varyings::Varyings) -> Fragment {
     var leg = Leg(Ray(origin, direction), true, false, vec3f(1.0), view_depth * length_of_direction);
     // The other half of a ray that is split.
     var other = leg;
-    var turn = 0u;
+    var turn = select(0u, LEGS, hidden);
 #ifdef PROBE
     var lengths = vec4f(leg.way, -2.0, -2.0, select(1.0, 0.0, from_above));
 #endif
@@ -286,7 +285,7 @@ fn fs_main(in: varyings::Varyings) -> Fragment {
 #ifdef WATER_FOAM
     var foam = 0.0;
 #endif
-    if from_above {
+    if from_above && !hidden {
         let on_map = clamp(origin.xz * terrain.cells_per_unit, vec2f(0.0), terrain.cells);
         let cell = min(floor(on_map), terrain.cells - 1.0);
         let corners = cell_corners(cell);
@@ -296,16 +295,14 @@ fn fs_main(in: varyings::Varyings) -> Fragment {
 #else
         let is_dry = over_ground < 0.0;
 #endif
-        if is_dry {
-            // In the ground, which hides it.
-            discard;
-        }
+        // In the ground, which hides it.
+        hidden = is_dry;
         let width = frame.pixel_size * view_depth;
         let split = split_at(origin.xz, direction, true, width);
         let start = vec3f(origin.x, level(), origin.z);
         leg = Leg(Ray(start, split.mirrored), false, true, vec3f(split.share), leg.way);
         other = Leg(Ray(start, split.through), true, false, vec3f(1.0 - split.share), leg.way);
-        turn = 1u;
+        turn = select(1u, LEGS, is_dry);
 #ifdef SHADED
         at_surface = split;
 #endif
@@ -341,7 +338,8 @@ fn fs_main(in: varyings::Varyings) -> Fragment {
             let rounding = ROUNDING * (leg.way + max(terrain.size.x, terrain.size.z));
             if index == 0u && met.at != NO_HIT && met.at <= rounding {
                 // The ground's own cut side, or an eye in the ground.
-                discard;
+                hidden = true;
+                break;
             }
             let side = leg.ray.origin + leg.ray.direction * most;
             let surfaces = rises && met.at == NO_HIT && all(side.xz >= vec2f(0.0)) && all(side.xz <= terrain.size.xz);
@@ -395,6 +393,9 @@ fn fs_main(in: varyings::Varyings) -> Fragment {
                 break;
             }
         }
+    }
+    if hidden {
+        discard;
     }
 #ifdef PROBE
     return Fragment(lengths, written);

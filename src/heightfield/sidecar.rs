@@ -9,7 +9,7 @@ use super::import::{Georeference, ImportOptions, PixelIs, Taken, UnitText};
 use super::{HEIGHT_SCALES, HeightField};
 
 /// The tables of a scene file. A screenshot's scene has the stem of its picture, just as a sidecar would.
-const SCENE_TABLES: [&str; 13] = [
+const SCENE_TABLES: [&str; 17] = [
     "terrain",
     "camera",
     "march",
@@ -23,6 +23,10 @@ const SCENE_TABLES: [&str; 13] = [
     "craters",
     "detail",
     "debug",
+    "air",
+    "clouds",
+    "flare",
+    "water",
 ];
 
 /// What a height map shows: the file with the map's stem and the ending `.toml`. Every key may be left out.

@@ -41,8 +41,8 @@ const DETAIL: u32 = 60;
 
 /// What `ground.wgsl` may import, and itself. The composer wants a module that any def could import; what is not imported is
 /// not composed.
-pub(super) const GROUND_MODULES: [&str; 6] =
-    ["pyramid.wgsl", "shadow.wgsl", "shading.wgsl", "land.wgsl", "materials.wgsl", "ground.wgsl"];
+pub(super) const GROUND_MODULES: [&str; 7] =
+    ["air.wgsl", "pyramid.wgsl", "shadow.wgsl", "shading.wgsl", "land.wgsl", "materials.wgsl", "ground.wgsl"];
 
 pub(super) fn describe(key: TerrainKey) -> PassDescription {
     let filtered = key.filters_heights();
@@ -68,7 +68,6 @@ pub(super) fn describe(key: TerrainKey) -> PassDescription {
     if key.light.needs_map() {
         bindings.extend(light_map::layout_entries());
     }
-    modules.extend(key.air.modules());
     modules.extend(GROUND_MODULES);
     if key.marches() {
         modules.push("sampling.wgsl");
