@@ -205,7 +205,10 @@ impl Viewer {
         }
         let share = f64::from(film.drawn) / f64::from((film.count - 1).max(1));
         film.scene.camera = Some(film.track.at(film.track.seconds() * share));
+        // As `render --path` draws it: with the whole light map of this very sun.
+        graphics.renderer.set_bake_budget(None);
         let drawn = graphics.renderer.time(&film.scene, &film.target);
+        graphics.limit_baking();
         match drawn.and_then(|_| film.target.read_color(&graphics.gpu).map_err(RenderError::from)) {
             Ok(picture) => {
                 (film.picture, film.drawn) = (Some(picture), film.drawn + 1);

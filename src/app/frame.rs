@@ -68,7 +68,7 @@ impl Viewer {
         }
         self.settle_eye(graphics);
         self.draw_scene(graphics, now)?;
-        // A screenshot can be made again from its scene: it waits for a light map that is under way.
+        // Not with a part of a light map.
         if self.wants_screenshot && self.drawn.is_some() && self.baking.is_none() {
             self.wants_screenshot = false;
             self.screenshot(graphics)?;
@@ -286,7 +286,9 @@ impl Viewer {
             (text, true)
         } else if let Some((text, _)) = &self.hint {
             (text.clone(), false)
-        } else if let Some((share, _)) = self.baking.filter(|(_, since)| now >= *since + BAKE_PATIENCE) {
+        } else if let Some((share, _)) =
+            self.baking.filter(|(_, since)| now >= *since + BAKE_PATIENCE && !self.sun_moves())
+        {
             (format!("Baking the light map: {:.0} %", share * 100.0), true)
         } else {
             let text = self.cones_in_words(drawable)?;
@@ -322,7 +324,13 @@ impl Viewer {
             return Ok(());
         }
         self.drop_stale_reference(graphics);
-        match graphics.renderer.draw(&drawable, &graphics.target) {
+        // A screenshot can be made again from its scene: its light map is drawn to the end, whatever it takes.
+        if self.wants_screenshot {
+            graphics.renderer.set_bake_budget(None);
+        }
+        let result = graphics.renderer.draw(&drawable, &graphics.target);
+        graphics.limit_baking();
+        match result {
             Ok(()) => {
                 let shows_reference = graphics.renderer.shows_reference();
                 if std::mem::replace(&mut self.shows_reference, shows_reference) != shows_reference {
@@ -355,7 +363,13 @@ impl Viewer {
                     return Ok(());
                 }
                 if self.last_good.is_none() {
-                    return Err(FrameError::Fatal(error.into()));
+                    let plain = plainest(&self.scene);
+                    if self.scene == plain || graphics.renderer.ledger().scene_frames == 0 {
+                        return Err(FrameError::Fatal(error.into()));
+                    }
+                    // A new map that cannot be drawn with the settings of the last one is drawn without them.
+                    self.scene = plain;
+                    return Ok(());
                 }
                 // Nothing to put back: the picture stays until something changes.
                 self.drawn = Some(visible);
@@ -363,6 +377,13 @@ impl Viewer {
             }
         }
     }
+}
+
+/// What any map can be drawn with: all settings as they are in the beginning, but for the eye, the terrain and its craters.
+fn plainest(scene: &Scene) -> Scene {
+    let mut plain = Scene { camera: scene.camera, terrain: scene.terrain.clone(), ..Scene::default() };
+    plain.craters.list.clone_from(&scene.craters.list);
+    plain
 }
 
 /// Takes back what made a scene impossible to draw: the image that cannot be used, or else everything but the camera

@@ -69,10 +69,17 @@ impl Graphics {
         let surface = Surface::new(&gpu, surface, window.clone(), vsync)?;
         let painter = egui_wgpu::Renderer::new(&gpu.device, surface.format(), RendererOptions::default());
         let mut renderer = Renderer::new(gpu.clone())?;
-        renderer.set_bake_budget(Some(if gpu.capabilities.software { BAKED_IN_SOFTWARE } else { BAKED_PER_FRAME }));
         renderer.set_terrain(map)?;
         let target = Target::new(&gpu, surface.size());
-        Ok(Self { gpu, renderer, target, painter, surface })
+        let mut graphics = Self { gpu, renderer, target, painter, surface };
+        graphics.limit_baking();
+        Ok(graphics)
+    }
+
+    /// Lets frames draw a light map by parts.
+    pub(crate) fn limit_baking(&mut self) {
+        let software = self.gpu.capabilities.software;
+        self.renderer.set_bake_budget(Some(if software { BAKED_IN_SOFTWARE } else { BAKED_PER_FRAME }));
     }
 
     /// Follows the window's size and the choice of vsync. True when the kept picture is gone with its old size.

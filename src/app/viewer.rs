@@ -35,7 +35,7 @@ use super::{ViewerOptions, desktop, watch};
 use crate::camera::{Camera, NamedView};
 use crate::heightfield::HeightField;
 use crate::render::{PreparedTerrain, RenderError};
-use crate::scene::{CraterSettings, Hillshade, LevelUnit, MaterialSettings, Scene, Technique};
+use crate::scene::{CraterMode, CraterSettings, Hillshade, LevelUnit, MaterialSettings, Scene, Technique};
 
 /// Saving a file makes several events; shaders are read once they have been quiet for so long.
 const SHADER_PAUSE: Duration = Duration::from_millis(120);
@@ -515,6 +515,13 @@ impl Viewer {
                 let name = technique.name();
                 *technique = Technique::MaxMipmap;
                 self.toasts.info(&format!("The map has holes: max-mipmap draws it, not {name}."), now);
+            }
+        }
+        let layered = self.scene.craters.mode == CraterMode::Layered && !self.scene.craters.list.is_empty();
+        for technique in [&mut self.scene.march.technique, &mut self.scene.compare.technique] {
+            if layered && *technique == Technique::Fractal {
+                *technique = Technique::MaxMipmap;
+                self.toasts.info("This map's craters are layered: max-mipmap draws it, not fractal.", now);
             }
         }
         let materials = &mut self.scene.materials;

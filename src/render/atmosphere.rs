@@ -136,6 +136,7 @@ impl Renderer {
         let eye = view.camera.eye;
         let sun = scene.lighting.sun_direction();
         let place = flare::sun_in_picture(&view.camera, size, sun).filter(|_| may_flare(scene));
+        let place = place.filter(|_| !self.is_under_water(scene, view));
         let (Some(place), Some(ground)) = (place, &self.ground) else {
             self.atmosphere.flare = None;
             return false;

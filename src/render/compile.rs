@@ -131,6 +131,13 @@ mod tests {
                 (scene.lighting.baked, scene.lighting.occlusion) = (true, true);
             },
             &|scene| scene.diffuse.source = ColourSource::Materials,
+            &|scene| scene.march.technique = Technique::Fractal,
+            &|scene| scene.water.enabled = true,
+            &|scene| {
+                (scene.air.perspective, scene.air.fog, scene.flare.enabled) = (true, true, true);
+                (scene.clouds.enabled, scene.clouds.shadows) = (true, true);
+                (scene.water.enabled, scene.occluder.enabled) = (true, true);
+            },
             &|scene| {
                 (scene.land.hillshade, scene.land.contours) = (Hillshade::Multidirectional, true);
                 scene.land.colour = GroundColour::Slope;

@@ -75,8 +75,13 @@ impl ImageFile {
 /// Images that were read before the frame that needs them, or what is wrong with them.
 #[derive(Debug, Default)]
 pub(super) struct Images {
-    ready: HashMap<ImageFile, Result<Decoded, String>>,
+    /// With how many pictures were drawn since.
+    ready: HashMap<ImageFile, (Result<Decoded, String>, u32)>,
 }
+
+/// Pictures after which an image that none of them has taken is dropped. Not the first: a film and a measurement draw pictures
+/// of their own in between.
+const PATIENCE: u32 = 32;
 
 impl Images {
     /// Takes an image, or reads it where nobody has.
@@ -90,18 +95,21 @@ impl Images {
         largest: u32,
     ) -> Result<Decoded, RenderError> {
         let file = ImageFile::new(path, purpose);
-        let read = self.ready.remove(&file).unwrap_or_else(|| file.read(largest));
+        let read = self.ready.remove(&file).map_or_else(|| file.read(largest), |(read, _)| read);
         read.map_err(|reason| RenderError::Image { path: file.path, reason })
     }
 
     /// Keeps what was read elsewhere.
     pub(super) fn keep(&mut self, read: impl IntoIterator<Item = (ImageFile, Result<Decoded, String>)>) {
-        self.ready.extend(read);
+        self.ready.extend(read.into_iter().map(|(file, image)| (file, (image, 0))));
     }
 
-    /// Drops what no frame has taken.
-    pub(super) fn clear(&mut self) {
-        self.ready = HashMap::new();
+    /// A picture is drawn: drops what none has taken for long.
+    pub(super) fn age(&mut self) {
+        self.ready.retain(|_, (_, pictures)| {
+            *pictures += 1;
+            *pictures < PATIENCE
+        });
     }
 }
 

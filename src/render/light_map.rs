@@ -162,11 +162,11 @@ impl Channel {
         Self { wanted: None, done: None, under_way: None, light: LightBindings::new(gpu) }
     }
 
-    /// Has `wanted` drawn next. What is under way goes on to its end where only the sun has moved meanwhile: begun anew with
-    /// every step of a running clock, it would never be ready.
-    fn aim_at(&mut self, wanted: Source, gpu: &Gpu, uniform: &LightUniform) {
+    /// Has `wanted` drawn next. What is under way goes on to its end where only the sun has moved meanwhile and frames draw
+    /// `by_parts`: begun anew with every step of a running clock, it would never be ready.
+    fn aim_at(&mut self, wanted: Source, by_parts: bool, gpu: &Gpu, uniform: &LightUniform) {
         let goes_on = match &self.under_way {
-            Some((source, _)) => *source == wanted || source.only_light_differs(&wanted),
+            Some((source, _)) => *source == wanted || (by_parts && source.only_light_differs(&wanted)),
             None => self.done.as_ref() == Some(&wanted),
         };
         if !goes_on {
@@ -335,11 +335,11 @@ impl Renderer {
         if self.light_map.as_ref().is_some_and(|known| known.size() != texels) {
             self.light_map = None;
         }
-        let gpu = &self.gpu;
+        let (gpu, by_parts) = (&self.gpu, self.bake_budget.is_some());
         let known = self.light_map.get_or_insert_with(|| LightMap::new(gpu, texels));
         for share in Share::all_of(light) {
             let source = Source::of(scene, share, &uniform, view.extent);
-            known.channels[share.channel()].aim_at(source, gpu, &uniform);
+            known.channels[share.channel()].aim_at(source, by_parts, gpu, &uniform);
         }
         for (channel, needed) in known.channels.iter_mut().zip([light.baked, light.occlusion]) {
             if !needed {

@@ -142,7 +142,9 @@ impl Renderer {
                 || beamed.is_some()
                 || bakes
                 || water.is_some()
-                || light.occluder;
+                || light.occluder
+                // A probe drops nothing that the pictures before and after it need.
+                || (probe && ground.pyramid().is_some());
             let rule = Rule {
                 smooth: terrains.iter().any(|(_, key)| key.is_smooth()),
                 detail: terrains.iter().any(|(_, key)| key.is_fractal()).then(|| ground.detail(scene.detail.strength)),
@@ -199,7 +201,7 @@ impl Renderer {
             draws.push(Draw { name: "skybox", built, group, edges: false, area: whole });
         }
         if !probe {
-            self.images.clear();
+            self.images.age();
         }
         Ok(Passes { light_map, beams, exact, draws, air, anchors })
     }

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::mem::offset_of;
 
 use glam::{DVec2, DVec3, DVec4};
+use rayon::prelude::*;
 
 use super::air::{AirKey, AirUniform};
 use super::anchor::AnchorUniform;
@@ -266,17 +267,17 @@ fn every_reachable_pipeline_builds_and_binds_just_what_its_shader_uses() {
         let mut gpu = Gpu::noop();
         Arc::get_mut(&mut gpu).unwrap().capabilities.software = software;
         let frame = FrameBindings::new(&gpu);
-        for (index, &key) in all.iter().enumerate() {
+        all.par_iter().enumerate().for_each(|(index, &key)| {
             // In software only the constants arrive another way, and all tests that draw are drawn in software: of the
             // terrain's variants every fourth is enough there.
             if software && index < terrains && index % 4 != 0 {
-                continue;
+                return;
             }
             let mut pipelines = Pipelines::new();
             if let Err(error) = pipelines.get(&gpu, &frame.layout, key) {
                 panic!("{key:?}, software {software}: {error}");
             }
-        }
+        });
     }
     // Each was looked at on the way: no loop without a bound, no load beyond its texture.
     let [loops, loads] = loops_tests::bounded();

@@ -206,11 +206,16 @@ fn block(scene: &Scene, ground: &Ground, extent: DVec3) -> Result<Option<DVec3>,
     Ok((level > 0.0).then_some(DVec3 { y: level, ..extent }))
 }
 
+/// Whether an eye is in the water.
+fn is_submerged(eye: DVec3, block: DVec3) -> bool {
+    eye.cmpge(DVec3::ZERO).all() && eye.cmple(block).all() && eye.y < block.y
+}
+
 impl WaterBuffer {
     fn new(scene: &Scene, view: &View, block: DVec3, world_from_cube: DMat4) -> Self {
         let Scene { water, lighting, .. } = scene;
         let eye = view.camera.eye;
-        let submerged = eye.cmpge(DVec3::ZERO).all() && eye.cmple(block).all() && eye.y < block.y;
+        let submerged = is_submerged(eye, block);
         let place_of_eye = match submerged {
             true => 1.0,
             false if eye.y >= block.y => -1.0,
@@ -293,6 +298,13 @@ impl Renderer {
     pub(super) fn water_key(&self, scene: &Scene, deep: bool, probe: bool) -> Option<WaterKey> {
         let ground = self.ground.as_ref().filter(|_| !deep)?;
         WaterKey::of(scene, ground.has_holes(), probe)
+    }
+
+    /// Whether the eye is in the sea of `scene`.
+    pub(super) fn is_under_water(&self, scene: &Scene, view: &View) -> bool {
+        let ground = self.ground.as_ref().filter(|_| self.water_key(scene, view.deep, false).is_some());
+        let block = ground.and_then(|ground| block(scene, ground, view.extent).ok().flatten());
+        block.is_some_and(|block| is_submerged(view.camera.eye, block))
     }
 
     /// The draw of the sea; `None` where no water is in view.

@@ -77,10 +77,8 @@ fn frames_are_drawn_only_for_a_reason() {
     assert!(time(&later) > time(&flows));
     window.point(600.0, 300.0);
     window.key("o");
-    window.settled("no sea", |status| status["scene"]["water"]["enabled"] == false);
-    window.point(600.0, 300.0);
-    sleep(Duration::from_millis(700));
-    let stopped = window.settled("rest", |_| true);
+    let gone = |status: &Value| status["scene"]["water"]["enabled"] == false && status["hint"].is_null();
+    let stopped = window.settled("no sea, and nothing that tells of it", gone);
     sleep(Duration::from_secs(1));
     assert_eq!(counts(&stopped), counts(&window.status()), "a sea that is switched off costs no frame");
     window.close();

@@ -255,6 +255,8 @@ const SECTIONS: [(&str, &[Row], &str, &str); 13] = [
 const ELSEWHERE: &[(&str, &str)] = &[
     ("Materials", "used by the panel's own tests, by name, as is all in it"),
     ("Water", "the same; moved by the test of idling"),
+    ("Air", "the kittest of the panel; its effect, in the toggles of the air"),
+    ("Clouds", "the kittest of the panel; its effect, in the toggles of the air"),
     ("smooth", "the technique: drawn by tests/smooth.rs"),
     ("fractal", "the technique: drawn by tests/fractal.rs"),
     ("Detail strength", "in use with fractal alone: the panel's own tests, by name"),
