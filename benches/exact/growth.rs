@@ -11,7 +11,7 @@ use relief::render::Renderer;
 use relief::report::growth::{Curve, Panel};
 use relief::scene::{CraterMode, Scene, Technique};
 
-use super::{Ratios, WARM_UP, bare, frame, median, say};
+use super::{Ratios, WARM_UP, bare, frame, median, next_frame, say};
 
 const SIZE: [u32; 2] = [640, 400];
 
@@ -97,14 +97,14 @@ pub(super) fn measure(
     panels
 }
 
-/// Milliseconds of a frame, by view and by map; one frame of each map in turn.
+/// Milliseconds of a frame, by view and by map; the maps in turn.
 fn frames(grounds: &mut [(Arc<HeightField>, Renderer)], target: &Target, rounds: usize) -> Vec<Vec<f64>> {
     let of_view = |view: NamedView| {
         let scenes: Vec<Scene> = grounds.iter().map(|(map, _)| scene(map, view)).collect();
         let mut times = vec![Vec::new(); grounds.len()];
         for round in 0..WARM_UP + rounds {
             for (((_, renderer), scene), times) in grounds.iter_mut().zip(&scenes).zip(&mut times) {
-                let ms = frame(renderer, scene, target);
+                let ms = next_frame(renderer, scene, target);
                 if round >= WARM_UP {
                     times.push(ms);
                 }
