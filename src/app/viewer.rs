@@ -442,12 +442,11 @@ impl Viewer {
         }
         // The old map's bookmarks are written before they are those of the new one.
         self.keep_now();
+        self.scene.terrain.recipe = opened.about.recipe_of(&opened.map);
         self.map = opened.map;
-        let recipe = opened.about.source.recipe().cloned();
-        if let Some(recipe) = &recipe {
+        if let Some(recipe) = opened.about.source.recipe() {
             self.view.generate.take(recipe);
         }
-        self.scene.terrain.recipe = recipe;
         self.scene.terrain.file.clone_from(&opened.about.path);
         self.scene.terrain.height_scale = None;
         // The old map's heights and place mean nothing here.

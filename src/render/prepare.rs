@@ -98,32 +98,11 @@ impl Renderer {
         scene_file::validate(scene)?;
         let view = self.view(scene, size);
         let probe = aim.probes();
-        let over_holes = self.ground.as_ref().is_some_and(Ground::has_holes);
-        let has_holes = over_holes;
+        let has_holes = self.ground.as_ref().is_some_and(Ground::has_holes);
         let over_holes = |key: TerrainKey| key.over_holes(has_holes);
         let terrains: Vec<_> =
             terrains(scene, size, aim, view.deep).into_iter().map(|(side, key)| (side, over_holes(key))).collect();
-        if has_holes && terrains.iter().any(|(_, key)| key.is_fractal()) {
-            return Err(RenderError::Impossible {
-                what: "invented detail on a map with holes",
-                why: "how rough it is follows from the samples around",
-                instead: "fill the holes (--holes fill), or choose another technique",
-            });
-        }
-        if terrains.iter().any(|(_, key)| key.is_fractal() && key.layered) {
-            return Err(RenderError::Impossible {
-                what: "invented detail on layered craters",
-                why: "its bounds are those of the heights that the craters are baked into",
-                instead: "bake the craters (craters.mode = \"baked\"), or choose another technique",
-            });
-        }
-        if has_holes && terrains.iter().any(|(_, key)| key.is_smooth()) {
-            return Err(RenderError::Impossible {
-                what: "the smooth surface of a map with holes",
-                why: "it needs a height at every sample",
-                instead: "fill the holes (--holes fill), or choose another technique",
-            });
-        }
+        check_surfaces(&terrains, has_holes)?;
         if !probe {
             self.prepare_drape(scene, terrains.iter().any(|(_, key)| key.diffuse))?;
             self.prepare_skybox(scene)?;
@@ -145,10 +124,7 @@ impl Renderer {
                 || light.occluder
                 // A probe drops nothing that the pictures before and after it need.
                 || (probe && ground.pyramid().is_some());
-            let rule = Rule {
-                smooth: terrains.iter().any(|(_, key)| key.is_smooth()),
-                detail: terrains.iter().any(|(_, key)| key.is_fractal()).then(|| ground.detail(scene.detail.strength)),
-            };
+            let rule = surfaces(ground, scene, &terrains);
             ground.prepare(&self.gpu, &scene.craters, walked, rule);
             let kinds: Vec<_> = terrains.iter().filter_map(|(_, key)| key.needs_cones()).collect();
             ground.prepare_cones(&self.gpu, &scene.craters, &kinds, &|_| {});
@@ -206,6 +182,21 @@ impl Renderer {
         Ok(Passes { light_map, beams, exact, draws, air, anchors })
     }
 
+    /// The ground as a picture of `scene` has it, for a probe between pictures that walks its pyramid: what bounds another
+    /// surface besides is not taken down for that.
+    ///
+    /// # Errors
+    /// [`RenderError::Impossible`] where there is no such picture.
+    pub(super) fn prepare_ground(&mut self, scene: &Scene, view: &View) -> Result<(), RenderError> {
+        let Some(ground) = &mut self.ground else { return Ok(()) };
+        let terrains = terrains(scene, view.size, Aim::Picture, view.deep);
+        check_surfaces(&terrains, ground.has_holes())?;
+        let rule = surfaces(ground, scene, &terrains);
+        ground.prepare(&self.gpu, &scene.craters, true, rule);
+        self.uploaded += ground.take_uploaded();
+        Ok(())
+    }
+
     /// Finds what the rays of a deep zoom count from, and hands it to the terrain pass.
     fn prepare_anchors(&self, scene: &Scene, view: &View, size: [u32; 2]) -> Vec<Anchor> {
         let Some(ground) = &self.ground else { return Vec::new() };
@@ -242,7 +233,7 @@ impl Renderer {
     pub fn prepare_cones(&mut self, scene: &Scene, progress: &(dyn Fn(f32) + Sync)) {
         let key = TerrainKey::of(scene, false);
         let (Some(ground), Some(kind)) = (&mut self.ground, key.needs_cones()) else { return };
-        ground.prepare(&self.gpu, &scene.craters, key.needs_pyramid(), Rule::default());
+        // All else is left to the frame: what its cones stand on is not what is on the GPU.
         ground.prepare_cones(&self.gpu, &scene.craters, &[kind], progress);
         self.uploaded += ground.take_uploaded();
     }
@@ -456,7 +447,7 @@ impl Renderer {
             materials: self.materials.as_ref(),
             atmosphere: &self.atmosphere,
             beams: self.beams.as_ref(),
-            light_map: self.light_map.as_ref(),
+            light_map: self.baking.map.as_ref(),
             given: if let Aim::Given(distances) = aim { Some(distances) } else { None },
             exact: self.reference.as_ref().or(self.exact.as_ref()).map(ExactDistances::view),
         };
@@ -520,6 +511,43 @@ fn occluder_key(scene: &Scene, ground: &Ground, probe: bool) -> OccluderKey {
 
 fn is_layered(scene: &Scene) -> bool {
     scene.craters.mode == CraterMode::Layered && !scene.craters.list.is_empty()
+}
+
+/// Refuses surfaces that this ground cannot have.
+fn check_surfaces(terrains: &[(Side, TerrainKey)], has_holes: bool) -> Result<(), RenderError> {
+    for (_, key) in terrains {
+        if has_holes && key.is_fractal() {
+            return Err(RenderError::Impossible {
+                what: "invented detail on a map with holes",
+                why: "how rough it is follows from the samples around",
+                instead: "fill the holes (--holes fill), or choose another technique",
+            });
+        }
+        if key.is_fractal() && key.layered {
+            return Err(RenderError::Impossible {
+                what: "invented detail on layered craters",
+                why: "its bounds are those of the heights that the craters are baked into",
+                instead: "bake the craters (craters.mode = \"baked\"), or choose another technique",
+            });
+        }
+        if has_holes && key.is_smooth() {
+            return Err(RenderError::Impossible {
+                what: "the smooth surface of a map with holes",
+                why: "it needs a height at every sample",
+                instead: "fill the holes (--holes fill), or choose another technique",
+            });
+        }
+    }
+    Ok(())
+}
+
+/// Which surfaces the pyramid has to bound for these draws.
+fn surfaces(ground: &mut Ground, scene: &Scene, terrains: &[(Side, TerrainKey)]) -> Rule {
+    let fractal = terrains.iter().any(|(_, key)| key.is_fractal());
+    Rule {
+        smooth: terrains.iter().any(|(_, key)| key.is_smooth()),
+        detail: fractal.then(|| ground.detail(scene.detail.strength)),
+    }
 }
 
 /// The terrain's draws: the parts of the picture, and the pipeline of each.

@@ -283,6 +283,7 @@ fn every_reachable_pipeline_builds_and_binds_just_what_its_shader_uses() {
     let [loops, loads] = loops_tests::bounded();
     println!("{} variants: {loops} loops and {loads} loads are bounded", all.len());
     assert!(loops > all.len() && loads > all.len() / 2, "{loops} loops, {loads} loads in {} variants", all.len());
+    needs_tests::assert_all_is_needed();
 }
 
 /// "A feature that is off is absent from the compiled shader": names of globals and functions tell.
