@@ -11,6 +11,8 @@ mod atmosphere;
 #[cfg(test)]
 mod bad_numbers_tests;
 mod beam;
+#[cfg(test)]
+mod beam_tests;
 mod cloud_pattern;
 mod clouds;
 mod compile;
@@ -18,6 +20,7 @@ mod cones;
 mod cube;
 mod distances;
 mod drape;
+mod draws;
 mod error;
 mod flare;
 mod frame;
@@ -25,6 +28,8 @@ mod ground;
 mod heat_map;
 mod images;
 mod land;
+#[cfg(test)]
+mod layout_tests;
 mod ledger;
 mod light;
 mod light_map;
@@ -32,6 +37,7 @@ mod light_map;
 mod loops_tests;
 mod materials;
 mod mips;
+mod missing;
 #[cfg(test)]
 mod needs_tests;
 mod occluder;
@@ -44,6 +50,7 @@ mod sky_map;
 mod sky_model;
 mod skybox;
 mod split;
+mod surfaces;
 mod terrain;
 mod terrain_key;
 mod terrain_uniform;
