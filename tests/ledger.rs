@@ -346,6 +346,27 @@ fn cones_are_there_while_they_are_stepped_along() {
     assert!(has_texture(&frame(&mut renderer, &scene), "cones"));
 }
 
+/// What bounds invented detail is costly to make: what is asked between two pictures must leave it, and the pyramid over it,
+/// where they are.
+#[test]
+fn questions_between_pictures_leave_the_bounds_alone() {
+    let mut renderer = renderer(&canyon());
+    let mut scene = start();
+    scene.water.enabled = true;
+    scene.compare.enabled = true;
+    (scene.march.technique, scene.compare.technique) = (Technique::Fractal, Technique::Smooth);
+    assert!(frame(&mut renderer, &scene).uploaded_bytes > 0);
+    let found = renderer.probe_water(&scene, SIZE).unwrap();
+    assert!(found.iter().any(Option::is_some), "there is water to ask for");
+    assert_eq!(frame(&mut renderer, &scene).uploaded_bytes, 0, "probe_water");
+    scene.compare.technique = Technique::Cone;
+    frame(&mut renderer, &scene);
+    // The other way round it is the cones that are found before the next picture.
+    std::mem::swap(&mut scene.march.technique, &mut scene.compare.technique);
+    renderer.prepare_cones(&scene, &|_| {});
+    assert_eq!(frame(&mut renderer, &scene).uploaded_bytes, 0, "prepare_cones");
+}
+
 /// What was on and is off again leaves no texture behind.
 #[test]
 fn what_is_switched_off_is_given_back() {

@@ -15,7 +15,7 @@ use relief::camera::{Camera, NamedView};
 use relief::gpu::Target;
 use relief::heightfield::reference::Surface;
 use relief::heightfield::{CraterLayer, EditedTerrain, HeightField, HoleMask};
-use relief::render::Renderer;
+use relief::render::{Baking, Renderer};
 use relief::scene::light::Shadows;
 use relief::scene::{CraterMode, Scene, Technique};
 
@@ -506,4 +506,37 @@ fn a_light_map_is_drawn_only_when_it_changes() {
     assert!(!frame(&scene).0);
     scene.lighting.occlusion = false;
     assert!(!frame(&scene).1);
+}
+
+/// A film is written while the window goes on with a sun of its own: each keeps its light map.
+#[test]
+fn two_series_of_pictures_keep_a_light_map_each() {
+    let map = canyon();
+    let mut renderer = renderer(&map);
+    let mut window = sunlit(NamedView::Over.camera(&map, map.box_size(None)), None, [250.0, 12.0]);
+    (window.lighting.shadows, window.lighting.baked) = (Shadows::Hard, true);
+    let mut film = window.clone();
+    film.lighting.sun_azimuth += 40.0;
+    let mut of_film = Baking::default();
+    let targets = [Target::new(&gpu(), SIZE), Target::new(&gpu(), [SIZE[0] / 2, SIZE[1] / 2])];
+    let draw = |renderer: &mut Renderer, scene: &Scene, target: &Target| {
+        renderer.draw(scene, target).unwrap();
+        (renderer.ledger().passes.iter().any(|pass| pass == "light map"), target.read_color(&gpu()).unwrap())
+    };
+    let turn = |renderer: &mut Renderer, of_film: &mut Baking| {
+        let seen = draw(renderer, &window, &targets[0]);
+        renderer.swap_baking(of_film);
+        let filmed = draw(renderer, &film, &targets[1]);
+        renderer.swap_baking(of_film);
+        [seen, filmed]
+    };
+    let first = turn(&mut renderer, &mut of_film);
+    assert!(first.iter().all(|(baked, _)| *baked));
+    for ((baked, picture), (_, before)) in turn(&mut renderer, &mut of_film).into_iter().zip(&first) {
+        assert!(!baked && picture == *before, "its map is still there, and its own");
+    }
+    // Another height map of as many samples has other shadows.
+    let upside_down = map_of(map.width(), map.height(), |x, z| 1.0 - f64::from(map.sample(x, z)));
+    renderer.set_terrain(Arc::new(upside_down)).unwrap();
+    assert!(turn(&mut renderer, &mut of_film).iter().all(|(baked, _)| *baked));
 }

@@ -8,7 +8,8 @@ use super::frame::FrameError;
 use super::graphics::Graphics;
 use super::screenshot;
 use super::settings::Command;
-use super::viewer::{Viewer, scene_of_picture};
+use super::viewer::Viewer;
+use super::visible::scene_of_picture;
 use super::window::UserEvent;
 use crate::gpu::Target;
 

@@ -14,7 +14,7 @@ use super::viewer::Viewer;
 use crate::animation::AnimationWriter;
 use crate::camera_path::Track;
 use crate::gpu::Target;
-use crate::render::RenderError;
+use crate::render::{Baking, RenderError, Renderer};
 use crate::scene::Scene;
 
 /// Pictures that wait for the encoder at most.
@@ -31,6 +31,8 @@ pub(super) struct Film {
     scene: Scene,
     track: Track,
     target: Target,
+    /// The window's scene goes on meanwhile, with a sun of its own.
+    baking: Baking,
     count: u32,
     drawn: u32,
     /// Drawn, and not yet handed over.
@@ -52,6 +54,17 @@ impl Film {
     /// When it has to go on.
     pub(super) fn next(&self, now: Instant) -> Next {
         Next::At(self.wait.unwrap_or(now))
+    }
+
+    /// Draws the next picture as `render --path` does: with the whole light map of this very sun.
+    fn draw(&mut self, renderer: &mut Renderer) -> Result<RgbaImage, RenderError> {
+        let share = f64::from(self.drawn) / f64::from((self.count - 1).max(1));
+        self.scene.camera = Some(self.track.at(self.track.seconds() * share));
+        renderer.swap_baking(&mut self.baking);
+        let drawn = renderer.time(&self.scene, &self.target);
+        renderer.swap_baking(&mut self.baking);
+        drawn?;
+        Ok(self.target.read_color(renderer.gpu())?)
     }
 
     /// Hands a picture over. False while the encoder is busy; true also where it has ended early: its result says why.
@@ -127,6 +140,11 @@ impl Viewer {
             );
             return;
         }
+        if self.generator.is_busy() {
+            // Another ground would end it.
+            self.refuse("Not yet: another landscape is being made. Try again when it is there.".into(), now);
+            return;
+        }
         let size = edited.size.map(|side| side.clamp(16, self.facts.max_texture));
         let (count, path) = (edited.path.pictures(edited.per_second), PathBuf::from(edited.output.trim()));
         if path.is_file() {
@@ -149,6 +167,7 @@ impl Viewer {
                     scene: self.scene.clone(),
                     track,
                     target: Target::new(&graphics.gpu, size),
+                    baking: Baking::default(),
                     count,
                     drawn: 0,
                     picture: None,
@@ -203,13 +222,7 @@ impl Viewer {
             film.wait = Some(now + PAUSE);
             return Ok(());
         }
-        let share = f64::from(film.drawn) / f64::from((film.count - 1).max(1));
-        film.scene.camera = Some(film.track.at(film.track.seconds() * share));
-        // As `render --path` draws it: with the whole light map of this very sun.
-        graphics.renderer.set_bake_budget(None);
-        let drawn = graphics.renderer.time(&film.scene, &film.target);
-        graphics.limit_baking();
-        match drawn.and_then(|_| film.target.read_color(&graphics.gpu).map_err(RenderError::from)) {
+        match film.draw(&mut graphics.renderer) {
             Ok(picture) => {
                 (film.picture, film.drawn) = (Some(picture), film.drawn + 1);
                 film.hand_over();

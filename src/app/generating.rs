@@ -335,8 +335,8 @@ impl Viewer {
         if !self.take_ground(graphics, made.terrain, &made.about.source)? {
             return Ok(());
         }
+        self.scene.terrain.recipe = made.about.recipe_of(&made.map);
         self.map = made.map;
-        self.scene.terrain.recipe = made.about.source.recipe().cloned();
         self.files.renew(&made.about);
         self.ground_is_new(graphics, made.about.title, now);
         Ok(())
@@ -423,6 +423,23 @@ mod tests {
             made.map.samples(),
             wanted(33, 2).recipe.make([33; 2], &|_| {}, &AtomicBool::new(false)).unwrap().samples()
         );
+    }
+
+    /// A screenshot may be taken while a control is dragged; its scene has to make its picture again.
+    #[test]
+    fn the_recipe_of_a_small_landscape_makes_that_one_again() {
+        for mut wanted in [preview(6), wanted(65, 6)] {
+            wanted.recipe.hydraulic.drops = 0.1;
+            let (share, cancel) = (AtomicU32::new(0), AtomicBool::new(false));
+            let made = make(&wanted, &share, &cancel).unwrap();
+            let recipe = made.about.recipe_of(&made.map).unwrap();
+            assert!(made.map.samples() == recipe.make(recipe.size, &|_| {}, &cancel).unwrap().samples());
+            assert_eq!(
+                made.about.source.recipe(),
+                Some(&wanted.recipe),
+                "what is to be made and saved is the whole one"
+            );
+        }
     }
 
     /// Were each small landscape given up for the next, a drag would show none of them.

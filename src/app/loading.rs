@@ -7,6 +7,7 @@ use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
 use super::files::maps::Source;
 use crate::heightfield::gallery::{self, GalleryError};
+use crate::heightfield::generate::Recipe;
 use crate::heightfield::import::{ImportOptions, Listener};
 use crate::heightfield::{HeightField, LoadError, Loaded, Provenance, Sidecar, load};
 use crate::render::PreparedTerrain;
@@ -201,6 +202,15 @@ impl Opened {
         };
         let terrain = PreparedTerrain::new(Arc::clone(&map)).with_colours();
         Self { terrain, map, bounds, warnings: loaded.warnings, about }
+    }
+}
+
+impl About {
+    /// What makes this very map again: of a small one that stands in for a whole one while a control is dragged, the recipe
+    /// with its own size. A scene that is saved meanwhile then shows what was on screen.
+    pub(super) fn recipe_of(&self, map: &HeightField) -> Option<Recipe> {
+        let size = [map.width(), map.height()];
+        self.source.recipe().map(|recipe| Recipe { size, ..recipe.clone() })
     }
 }
 

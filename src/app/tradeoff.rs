@@ -3,7 +3,7 @@
 
 use std::time::Instant;
 
-use super::viewer::visible_part;
+use super::visible::visible_part;
 use crate::gpu::Target;
 use crate::heightfield::{ConeKind, HeightField};
 use crate::render::{Compilation, ConeGround, RenderError, Renderer};

@@ -1,4 +1,4 @@
-//! The viewer's state, and what changes it besides keys and frames: commands, loading, shader reload, lost devices.
+//! The viewer's state, and what has happened meanwhile: loaded maps, saved shaders, other threads' events.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -14,14 +14,13 @@ use super::compiling::Compiler;
 use super::cones::ConeFinder;
 use super::controls::{Fly, ground_below};
 use super::files::Files;
-use super::files::maps::{Place, Source};
 use super::filming::Film;
 use super::frame::FrameError;
 use super::generating::Generator;
 use super::graphics::Graphics;
 use super::journey::Journey;
 use super::keeping::Keeper;
-use super::loading::{Loader, Opened};
+use super::loading::Loader;
 use super::measure::{Meter, Steps};
 use super::redraw::{Next, Redraw};
 use super::reference::ReferenceWorker;
@@ -34,17 +33,14 @@ use super::window::UserEvent;
 use super::{ViewerOptions, desktop, watch};
 use crate::camera::{Camera, NamedView};
 use crate::heightfield::HeightField;
-use crate::render::{PreparedTerrain, RenderError};
-use crate::scene::{CraterMode, CraterSettings, Hillshade, LevelUnit, MaterialSettings, Scene, Technique};
+use crate::render::RenderError;
+use crate::scene::Scene;
 
 /// Saving a file makes several events; shaders are read once they have been quiet for so long.
 const SHADER_PAUSE: Duration = Duration::from_millis(120);
 
 /// How often new messages show in the log.
 const LOG_PAUSE: Duration = Duration::from_millis(200);
-
-/// A device lost again within this time is not worth another try.
-const RECOVERY_PAUSE: Duration = Duration::from_secs(5);
 
 /// What is known of mouse and keyboard beside the keys that fly.
 #[derive(Debug, Default)]
@@ -148,7 +144,8 @@ pub(crate) struct Viewer {
     /// Threads that write files: the program does not end before them.
     pub(super) writers: Vec<JoinHandle<()>>,
     pub(super) screenshots: PathBuf,
-    recovered: Option<Instant>,
+    /// When the device was lost last.
+    pub(super) recovered: Option<Instant>,
     /// Whether the state differs from the status file's, and whether that said idle.
     pub(super) reported: (bool, bool),
     _watcher: Option<notify::RecommendedWatcher>,
@@ -332,40 +329,9 @@ impl Viewer {
         self.covered || self.hidden
     }
 
-    /// Whether every frame shows another picture than the last.
-    pub(super) fn moves(&self) -> bool {
-        self.fly.is_moving()
-            || self.journey.is_under_way()
-            || self.spins()
-            || self.sun_moves()
-            || self.flows()
-            || self.clouds_move()
-    }
-
-    /// Whether the clock runs where something of the picture follows the sun.
-    pub(super) fn sun_moves(&self) -> bool {
-        let Scene { lighting, skybox, land, .. } = &self.scene;
-        lighting.clock.runs() && (lighting.enabled || skybox.enabled || land.hillshade == Hillshade::Sun)
-    }
-
-    /// Whether clouds move where the picture shows them, or their shadows.
-    pub(super) fn clouds_move(&self) -> bool {
-        self.scene.clouds.runs() && crate::render::shows_air(&self.scene)
-    }
-
     /// Whether steps per ray are wanted, and there is a picture to measure them for. What is being compiled may be for them.
     pub(super) fn measures_steps(&self) -> bool {
         self.view.measure_steps && self.drawn.is_some() && !self.compiler.is_busy()
-    }
-
-    /// Whether the occluder turns. It rests while it is out of view: nobody would see it, and no frame is drawn.
-    pub(super) fn spins(&self) -> bool {
-        self.scene.occluder.enabled && self.scene.occluder.spin != 0.0 && self.occluder_seen
-    }
-
-    /// Whether the water moves: it rests while it is out of view, and for who wants less motion.
-    pub(super) fn flows(&self) -> bool {
-        self.scene.water.runs() && self.water_seen && !self.reduces_motion()
     }
 
     /// The last measurement of steps per ray, while they are measured.
@@ -434,108 +400,6 @@ impl Viewer {
         Ok(())
     }
 
-    /// Replaces the terrain. What belonged to the old one goes with it; when the new one cannot be used, all stays.
-    pub(super) fn adopt(&mut self, graphics: &mut Graphics, opened: Opened, now: Instant) -> Result<(), FrameError> {
-        let left = Place::of(&self.scene, self.map.box_size(None));
-        if !self.take_ground(graphics, opened.terrain, &opened.about.source)? {
-            return Ok(());
-        }
-        // The old map's bookmarks are written before they are those of the new one.
-        self.keep_now();
-        self.map = opened.map;
-        let recipe = opened.about.source.recipe().cloned();
-        if let Some(recipe) = &recipe {
-            self.view.generate.take(recipe);
-        }
-        self.scene.terrain.recipe = recipe;
-        self.scene.terrain.file.clone_from(&opened.about.path);
-        self.scene.terrain.height_scale = None;
-        // The old map's heights and place mean nothing here.
-        (self.scene.land.low, self.scene.land.high, self.scene.land.contour_interval) = (None, None, None);
-        self.scene.land.imagery = None;
-        self.scene.materials.coverage.clear();
-        self.scene.craters.list.clear();
-        self.scene.occluder.position = None;
-        (self.scene.lighting.clock.latitude, self.scene.lighting.clock.longitude) = (None, None);
-        self.scene.lighting.clock.stand_on(opened.bounds);
-        self.scene.camera = Some(NamedView::Start.camera(&self.map, self.extent()));
-        self.arrive(&opened.about, left);
-        self.leave_out_what_it_cannot_show(now);
-        self.journey.stop();
-        self.take_up_bookmarks();
-        self.ground_is_new(graphics, opened.about.title, now);
-        self.view.paths = PathFields::of(&self.scene);
-        self.toasts.info(&format!("Opened {}", self.facts.title), now);
-        for warning in opened.warnings {
-            self.toasts.warning(&warning, now);
-        }
-        Ok(())
-    }
-
-    /// Gives the renderer another ground. False where it cannot be used, which has been told: the old one stays.
-    pub(super) fn take_ground(
-        &mut self,
-        graphics: &mut Graphics,
-        terrain: PreparedTerrain,
-        source: &Source,
-    ) -> Result<bool, FrameError> {
-        match graphics.renderer.set_prepared_terrain(terrain) {
-            Ok(()) => Ok(true),
-            Err(RenderError::DeviceLost(lost)) => Err(FrameError::Lost(lost)),
-            Err(error) => {
-                self.toasts.error(&format!("The old terrain stays: {error}"));
-                self.files.gave_up(source);
-                Ok(false)
-            }
-        }
-    }
-
-    /// Forgets what was known of the ground before, and learns what is of this one.
-    pub(super) fn ground_is_new(&mut self, graphics: &mut Graphics, title: String, now: Instant) {
-        self.tradeoff.forget();
-        self.view.reading.forget();
-        self.meter.forget_times();
-        (self.drawn, self.shown, self.last_good) = (None, None, None);
-        if self.film.is_some() {
-            self.cancel_export(now);
-        }
-        // Its picture may need other pipelines, as that of a first map with holes does: said before they are waited for.
-        let size = graphics.target.size();
-        self.prepared = graphics.renderer.missing_pipelines(&self.scene, size, false).is_none();
-        self.facts = Facts::new(&self.map, title, &graphics.gpu);
-        self.window.set_title(&format!("Relief: {}", self.facts.title));
-    }
-
-    /// Settings that are kept from map to map, and that this one cannot be drawn with.
-    fn leave_out_what_it_cannot_show(&mut self, now: Instant) {
-        let chosen = [&mut self.scene.march.technique, &mut self.scene.compare.technique];
-        let whole = |technique: Technique| matches!(technique, Technique::Smooth | Technique::Fractal);
-        if self.map.holes().is_some() {
-            for technique in chosen.into_iter().filter(|technique| whole(**technique)) {
-                let name = technique.name();
-                *technique = Technique::MaxMipmap;
-                self.toasts.info(&format!("The map has holes: max-mipmap draws it, not {name}."), now);
-            }
-        }
-        let layered = self.scene.craters.mode == CraterMode::Layered && !self.scene.craters.list.is_empty();
-        for technique in [&mut self.scene.march.technique, &mut self.scene.compare.technique] {
-            if layered && *technique == Technique::Fractal {
-                *technique = Technique::MaxMipmap;
-                self.toasts.info("This map's craters are layered: max-mipmap draws it, not fractal.", now);
-            }
-        }
-        let materials = &mut self.scene.materials;
-        if self.map.extent_metres().is_none() && materials.levels == LevelUnit::Metres {
-            *materials = MaterialSettings { coverage: std::mem::take(&mut materials.coverage), ..Default::default() };
-            self.toasts.info("The map knows no metres: the materials' levels are shares of its height again.", now);
-        }
-        let water = &mut self.scene.water;
-        if self.map.extent_metres().is_none() && water.levels == LevelUnit::Metres {
-            (water.level, water.levels) = (None, LevelUnit::Share);
-            self.toasts.info("The map knows no metres: the sea has its usual level again.", now);
-        }
-    }
-
     fn reload_shaders(&mut self, graphics: &mut Graphics, now: Instant) -> Result<(), FrameError> {
         self.redraw.invalidate();
         match graphics.renderer.reload_shaders() {
@@ -596,104 +460,5 @@ impl Viewer {
                 }
             }
         }
-    }
-
-    /// Whether a lost device is worth another try.
-    pub(crate) fn may_recover(&mut self, now: Instant) -> bool {
-        let recently = self.recovered.is_some_and(|at| now.saturating_duration_since(at) < RECOVERY_PAUSE);
-        self.recovered = Some(now);
-        !recently
-    }
-
-    /// Goes on with a new device.
-    pub(crate) fn recovered(&mut self, graphics: &Graphics, lost: &str) {
-        let title = std::mem::take(&mut self.facts.title);
-        self.facts = Facts::new(&self.map, title, &graphics.gpu);
-        (self.drawn, self.shown, self.meter) = (None, None, Meter::default());
-        // The pipelines are gone with the device.
-        self.prepared = false;
-        self.compiler.forget();
-        self.reference.forget();
-        self.cones.forget();
-        self.tradeoff.forget();
-        self.film = None;
-        send_textures_again(self.egui.egui_ctx());
-        let message = format!("The GPU device was lost ({lost}) and has been set up again.");
-        self.toasts.warning(&message, Instant::now());
-        self.redraw.invalidate();
-    }
-}
-
-/// Makes egui send its textures whole: a new device has none of them. New fonts are the only way to ask for that, so
-/// a font family that nobody uses is added.
-fn send_textures_again(ctx: &egui::Context) {
-    let mut fonts = egui::FontDefinitions::default();
-    let unused = egui::FontFamily::Name(format!("device {}", ctx.cumulative_pass_nr()).into());
-    let same = fonts.families.get(&egui::FontFamily::Proportional).cloned().unwrap_or_default();
-    fonts.families.insert(unused, same);
-    ctx.set_fonts(fonts);
-}
-
-/// The part of a scene that its picture depends on: the brush of the next crater and the speed of the spin do not show.
-pub(super) fn visible_part(scene: &Scene) -> Scene {
-    let CraterSettings { radius, depth, rim, .. } = CraterSettings::default();
-    let mut scene = scene.clone();
-    (scene.craters.radius, scene.craters.depth, scene.craters.rim) = (radius, depth, rim);
-    (scene.occluder.spin, scene.water.moving) = (0.0, false);
-    // Nor do the clocks of the clouds: only the moment.
-    (scene.clouds.moving, scene.clouds.rate) = (false, 0.0);
-    // A clock that runs makes a coarser sky than one that stands.
-    if !scene.lighting.clock.enabled {
-        scene.lighting.clock.speed = 0.0;
-    }
-    scene
-}
-
-/// The scene whose picture shows `visible`: what does not show is that of `scene`.
-pub(super) fn scene_of_picture(visible: &Scene, scene: &Scene) -> Scene {
-    let mut shown = visible.clone();
-    let CraterSettings { radius, depth, rim, .. } = scene.craters;
-    (shown.craters.radius, shown.craters.depth, shown.craters.rim) = (radius, depth, rim);
-    (shown.occluder.spin, shown.water.moving) = (scene.occluder.spin, scene.water.moving);
-    shown.lighting.clock.speed = scene.lighting.clock.speed;
-    (shown.clouds.moving, shown.clouds.rate) = (scene.clouds.moving, scene.clouds.rate);
-    shown
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// After a lost device the panel would be blank if egui only sent what changed.
-    #[test]
-    fn a_new_device_gets_the_font_texture_whole() {
-        let ctx = egui::Context::default();
-        let textures = |ctx: &egui::Context| {
-            let mut output = ctx.run_ui(egui::RawInput::default(), |ui| {
-                ui.label("text");
-            });
-            let whole = output.textures_delta.set.values().flatten().any(egui::epaint::ImageDelta::is_whole);
-            output.textures_delta.clear();
-            whole
-        };
-        assert!(textures(&ctx));
-        assert!(!textures(&ctx));
-        for _ in 0..2 {
-            send_textures_again(&ctx);
-            assert!(textures(&ctx));
-            assert!(!textures(&ctx));
-        }
-    }
-
-    #[test]
-    fn the_brush_is_no_part_of_the_picture() {
-        let mut scene = Scene::default();
-        scene.craters.radius = 0.2;
-        (scene.occluder.spin, scene.water.moving) = (5.0, true);
-        (scene.clouds.moving, scene.clouds.rate) = (true, 7.0);
-        assert_eq!(visible_part(&scene), visible_part(&Scene::default()));
-        assert_eq!(scene_of_picture(&visible_part(&Scene::default()), &scene), scene);
-        scene.craters.list.push(scene.craters.brush_at(0.5, 0.5));
-        assert_ne!(visible_part(&scene), visible_part(&Scene::default()));
     }
 }

@@ -1,5 +1,6 @@
 //! The device and what it can do, targets and readback, timing, shader composition.
 
+pub(crate) mod needs;
 mod readback;
 mod shaders;
 mod target;
@@ -60,6 +61,17 @@ pub enum GpuError {
          (Fedora), `pacman -S vulkan-swrast` (Arch); on NVIDIA hardware the vendor's driver brings its own"
     )]
     NoAdapter,
+    /// An adapter that cannot draw all that scenes may hold.
+    #[error(
+        "the GPU adapter {adapter} cannot draw what Relief draws\n  it lacks: {lacks}\n  \
+         update its driver, or choose another adapter with {ADAPTER_VARIABLE}=NAME ({ADAPTER_VARIABLE}=cpu takes a software driver)"
+    )]
+    TooWeak {
+        /// The adapter's name.
+        adapter: String,
+        /// What it lacks, separated by commas.
+        lacks: String,
+    },
     /// The adapter refused to give a device.
     #[error(
         "the GPU adapter {adapter} gave no device\n  {reason}\n  update its driver, or choose another adapter with {ADAPTER_VARIABLE}=NAME"
@@ -185,6 +197,7 @@ impl Gpu {
         let wanted = clock | wgpu::Features::FLOAT32_FILTERABLE | wgpu::Features::TEXTURE_FORMAT_16BIT_NORM;
         let granted = adapter.features() & most & wanted;
         let limits = adapter.limits();
+        needs::check(&adapter.get_info().name, &limits, adapter.get_downlevel_capabilities().flags)?;
         let capabilities = Capabilities {
             timestamps: granted.contains(wgpu::Features::TIMESTAMP_QUERY),
             filterable_float32: granted.contains(wgpu::Features::FLOAT32_FILTERABLE),

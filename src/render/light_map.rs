@@ -5,12 +5,13 @@
 //! rows: all of them in one frame, or no more than a budget allows, so that no frame waits for a large map.
 
 use std::ops::Range;
-use std::sync::Arc;
+use std::sync::{Arc, Weak};
 
 use bytemuck::bytes_of;
 use glam::DVec3;
 
 use crate::gpu::{Gpu, sized_texture};
+use crate::heightfield::HeightField;
 use crate::scene::light::Shadows;
 use crate::scene::{CraterSettings, Scene};
 
@@ -194,6 +195,8 @@ impl Channel {
 /// The map on the GPU.
 #[derive(Debug)]
 pub(super) struct LightMap {
+    /// The height map that it is of.
+    ground: Weak<HeightField>,
     channels: [Channel; 2],
     texture: Texture,
     sampler: wgpu::Sampler,
@@ -207,7 +210,7 @@ fn size_of(cells: [u32; 2], largest: u32) -> [u32; 2] {
 }
 
 impl LightMap {
-    fn new(gpu: &Gpu, size: [u32; 2]) -> Self {
+    fn new(gpu: &Gpu, ground: &Arc<HeightField>, size: [u32; 2]) -> Self {
         let texture = sized_texture(gpu, "light map", size, FORMAT, &[]);
         let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
         let sampler = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
@@ -217,7 +220,12 @@ impl LightMap {
             ..Default::default()
         });
         let channels = [Channel::new(gpu), Channel::new(gpu)];
-        Self { channels, texture: Texture { texture, view }, sampler, blank: true }
+        Self { ground: Arc::downgrade(ground), channels, texture: Texture { texture, view }, sampler, blank: true }
+    }
+
+    /// Whether it is of this height map, with so many texels.
+    fn suits(&self, ground: &Arc<HeightField>, size: [u32; 2]) -> bool {
+        self.ground.as_ptr() == Arc::as_ptr(ground) && self.size() == size
     }
 
     fn size(&self) -> [u32; 2] {
@@ -302,16 +310,51 @@ pub(super) struct LightMapPass {
     rows: Range<u32>,
 }
 
+/// The light map of one series of pictures, and how it is drawn. A renderer has one; a second series with a sun of its own,
+/// as a film that is written while the window goes on, brings its own along ([`Renderer::swap_baking`]): sharing one, each
+/// picture of the one would draw anew what the other has just drawn over.
+#[derive(Debug, Default)]
+pub struct Baking {
+    pub(super) map: Option<LightMap>,
+    /// Most texels of the map that a frame draws.
+    budget: Option<u32>,
+    /// How much of it was drawn after the last picture, where not all was.
+    progress: Option<f32>,
+}
+
+impl Baking {
+    /// Draws what is next of the map.
+    pub(super) fn encode(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        frame: &FrameBindings,
+        passes: &[LightMapPass],
+        timestamps: Option<wgpu::RenderPassTimestampWrites<'_>>,
+    ) {
+        self.progress = None;
+        if let (false, Some(map)) = (passes.is_empty(), &mut self.map) {
+            map.encode(encoder, frame, passes, timestamps);
+            self.progress = map.progress();
+        }
+    }
+}
+
 impl Renderer {
     /// Lets a frame draw no more than about so many texels of a light map; `None`, as in the beginning: all of them. With a
     /// budget, pictures show the part that is drawn until [`Self::baking`] says that all is.
     pub fn set_bake_budget(&mut self, texels: Option<u32>) {
-        self.bake_budget = texels;
+        self.baking.budget = texels;
     }
 
     /// How much of the light map that the last picture needed is drawn, 0 to 1; `None`: all of it.
     pub fn baking(&self) -> Option<f32> {
-        self.baking
+        self.baking.progress
+    }
+
+    /// Draws what follows with this light map and its budget, which must be of the same device or new: call it again to go
+    /// back to those from before.
+    pub fn swap_baking(&mut self, other: &mut Baking) {
+        std::mem::swap(&mut self.baking, other);
     }
 
     /// Writes what passes read of the light, and drops the light map that no pass reads. Whether it has to be drawn.
@@ -320,7 +363,7 @@ impl Renderer {
             return false;
         }
         if !light.needs_map() {
-            self.light_map = None;
+            self.baking.map = None;
         }
         let Some(ground) = self.ground.as_ref().filter(|_| light != LightKey::default()) else { return false };
         let map = ground.terrain().base();
@@ -332,11 +375,9 @@ impl Renderer {
         if !light.needs_map() || !self.shows_terrain(view) {
             return false;
         }
-        if self.light_map.as_ref().is_some_and(|known| known.size() != texels) {
-            self.light_map = None;
-        }
-        let (gpu, by_parts) = (&self.gpu, self.bake_budget.is_some());
-        let known = self.light_map.get_or_insert_with(|| LightMap::new(gpu, texels));
+        self.baking.map.take_if(|known| !known.suits(map, texels));
+        let (gpu, by_parts) = (&self.gpu, self.baking.budget.is_some());
+        let known = self.baking.map.get_or_insert_with(|| LightMap::new(gpu, map, texels));
         for share in Share::all_of(light) {
             let source = Source::of(scene, share, &uniform, view.extent);
             known.channels[share.channel()].aim_at(source, by_parts, gpu, &uniform);
@@ -351,10 +392,10 @@ impl Renderer {
 
     /// The passes that draw what is next of the light map; the ground's textures are up to date.
     pub(super) fn light_map_passes(&mut self) -> Result<Vec<LightMapPass>, RenderError> {
-        let (Some(ground), Some(map)) = (&self.ground, &self.light_map) else { return Ok(Vec::new()) };
+        let (Some(ground), Some(map)) = (&self.ground, &self.baking.map) else { return Ok(Vec::new()) };
         let (holes, layered) = (ground.has_holes(), ground.layer().is_some());
         let mut passes = Vec::new();
-        for (channel, rows) in map.next_rows(self.bake_budget).into_iter().enumerate() {
+        for (channel, rows) in map.next_rows(self.baking.budget).into_iter().enumerate() {
             let Some((source, _)) = map.channels[channel].under_way.as_ref().filter(|_| !rows.is_empty()) else {
                 continue;
             };

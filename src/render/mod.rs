@@ -11,6 +11,8 @@ mod atmosphere;
 #[cfg(test)]
 mod bad_numbers_tests;
 mod beam;
+#[cfg(test)]
+mod beam_tests;
 mod cloud_pattern;
 mod clouds;
 mod compile;
@@ -18,6 +20,7 @@ mod cones;
 mod cube;
 mod distances;
 mod drape;
+mod draws;
 mod error;
 mod flare;
 mod frame;
@@ -25,6 +28,8 @@ mod ground;
 mod heat_map;
 mod images;
 mod land;
+#[cfg(test)]
+mod layout_tests;
 mod ledger;
 mod light;
 mod light_map;
@@ -32,6 +37,9 @@ mod light_map;
 mod loops_tests;
 mod materials;
 mod mips;
+mod missing;
+#[cfg(test)]
+mod needs_tests;
 mod occluder;
 mod pipelines;
 mod prepare;
@@ -42,6 +50,7 @@ mod sky_map;
 mod sky_model;
 mod skybox;
 mod split;
+mod surfaces;
 mod terrain;
 mod terrain_key;
 mod terrain_uniform;
@@ -62,6 +71,7 @@ pub use cones::ConeGround;
 pub use error::RenderError;
 pub use heat_map::{COVERS_SKY, ERROR_DECADES, SEE_THROUGH, SKY_BOTH, error_colour, heat_map_colour};
 pub use ledger::{Ledger, TextureEntry};
+pub use light_map::Baking;
 pub use probe::Probe;
 pub use water::{LegEnd, WaterPath};
 
@@ -112,11 +122,7 @@ pub struct Renderer {
     images: Images,
     skybox: Option<Skybox>,
     beams: Option<Beams>,
-    light_map: Option<LightMap>,
-    /// Most texels of a light map that a frame draws.
-    bake_budget: Option<u32>,
-    /// How much of it was drawn after the last picture, where not all was.
-    baking: Option<f32>,
+    baking: Baking,
     /// There since a sea was drawn.
     water: Option<WaterBindings>,
     /// Exact distances that a frame of the error view finds itself.
@@ -185,9 +191,7 @@ impl Renderer {
             images: Images::default(),
             skybox: None,
             beams: None,
-            light_map: None,
-            bake_budget: None,
-            baking: None,
+            baking: Baking::default(),
             water: None,
             exact: None,
             reference: None,
@@ -230,7 +234,7 @@ impl Renderer {
         if let Some(reason) = refused.or(invalid).or_else(|| pretended_refusal(bytes)) {
             return Err(RenderError::OutOfMemory { width, height, bytes, reason });
         }
-        self.light_map = None;
+        self.baking.map = None;
         self.ground = Some(ground);
         self.drape = Some(Drape::new(prepared.colours));
         self.land.forget_place();
@@ -287,10 +291,7 @@ impl Renderer {
         let mut encoder =
             self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("frame") });
         let bakes = !passes.light_map.is_empty();
-        if let (true, Some(map)) = (bakes, &mut self.light_map) {
-            map.encode(&mut encoder, &self.frame, &passes.light_map, self.timer.writes(true, false));
-        }
-        self.baking = self.light_map.as_ref().filter(|_| bakes).and_then(LightMap::progress);
+        self.baking.encode(&mut encoder, &self.frame, &passes.light_map, self.timer.writes(true, false));
         // The first pass that is timed begins the frame.
         self.encode_cloud_shadow(&mut encoder, &over, self.timer.writes(!bakes, false));
         let begun = bakes || passes.air.shadow;
@@ -448,7 +449,7 @@ impl Renderer {
         textures.extend(self.materials.iter().flat_map(Materials::list));
         textures.extend(self.skybox.as_ref().map(Skybox::entry));
         textures.extend(self.beams.iter().flat_map(Beams::entries));
-        textures.extend(self.light_map.as_ref().map(LightMap::entry));
+        textures.extend(self.baking.map.as_ref().map(LightMap::entry));
         textures.extend(self.atmosphere.clouds.iter().flat_map(Clouds::list));
         textures.extend(self.exact.as_ref().or(self.reference.as_ref()).map(ExactDistances::entry));
         textures.push(TextureEntry::of("picture", &target.color));

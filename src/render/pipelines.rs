@@ -212,7 +212,10 @@ pub(super) fn build(
     }
     let module = sources.compose(pass.file, &pass.modules, &pass.defs)?;
     #[cfg(test)]
-    super::loops_tests::examine_or_panic(&pass.name, &module);
+    {
+        super::loops_tests::examine_or_panic(&pass.name, &module);
+        super::needs_tests::examine_or_panic(&pass, &module);
+    }
     let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
     let shader = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some(&pass.name),

@@ -5,31 +5,26 @@ use std::sync::Arc;
 use glam::{DMat4, DVec3, DVec4};
 
 use crate::camera::{Camera, NamedView};
-use crate::heightfield::bounds::Rule;
-use crate::heightfield::{ConeKind, ConeMap};
-use crate::scene::light::Shadows;
-use crate::scene::{CraterMode, DebugView, Scene};
+use crate::scene::{DebugView, Scene};
 use crate::scene_file;
 
 use super::air::AirKey;
 use super::anchor::{self, Anchor, AnchorUniform};
-use super::atmosphere::{self, AirPasses};
+use super::atmosphere::AirPasses;
 use super::beam::{BeamPass, Beams, Tiles};
-use super::compile::Compilation;
-use super::cones::ConeGround;
-use super::cube::{as_f32, clip_corners, in_view};
+use super::cube::in_view;
 use super::distances::ExactDistances;
 use super::frame::FrameUniform;
 use super::ground::Ground;
 use super::light::LightKey;
-use super::light_map::{LightMapKey, LightMapPass};
+use super::light_map::LightMapPass;
 use super::materials::Materials;
-use super::occluder::OccluderKey;
 use super::pipelines::{Built, PipelineKey};
 use super::skybox::Skybox;
 use super::split::{Area, Side, sides};
-use super::terrain::{TerrainKey, TerrainUniform, Textures};
-use super::{RenderError, Renderer, occluder, terrain, wireframe};
+use super::surfaces::{check_surfaces, surfaces};
+use super::terrain::TerrainKey;
+use super::{RenderError, Renderer, terrain};
 
 /// One draw of the scene's render pass.
 pub(super) struct Draw {
@@ -84,7 +79,7 @@ pub(super) struct View {
     /// Size of the terrain's box.
     pub(super) extent: DVec3,
     /// Corners of the box that is drawn for it.
-    box_clip: [DVec4; 8],
+    pub(super) box_clip: [DVec4; 8],
     /// Whether its pixels are finer than f32 counts.
     pub(super) deep: bool,
     /// Of the picture, in pixels.
@@ -98,32 +93,11 @@ impl Renderer {
         scene_file::validate(scene)?;
         let view = self.view(scene, size);
         let probe = aim.probes();
-        let over_holes = self.ground.as_ref().is_some_and(Ground::has_holes);
-        let has_holes = over_holes;
+        let has_holes = self.ground.as_ref().is_some_and(Ground::has_holes);
         let over_holes = |key: TerrainKey| key.over_holes(has_holes);
         let terrains: Vec<_> =
             terrains(scene, size, aim, view.deep).into_iter().map(|(side, key)| (side, over_holes(key))).collect();
-        if has_holes && terrains.iter().any(|(_, key)| key.is_fractal()) {
-            return Err(RenderError::Impossible {
-                what: "invented detail on a map with holes",
-                why: "how rough it is follows from the samples around",
-                instead: "fill the holes (--holes fill), or choose another technique",
-            });
-        }
-        if terrains.iter().any(|(_, key)| key.is_fractal() && key.layered) {
-            return Err(RenderError::Impossible {
-                what: "invented detail on layered craters",
-                why: "its bounds are those of the heights that the craters are baked into",
-                instead: "bake the craters (craters.mode = \"baked\"), or choose another technique",
-            });
-        }
-        if has_holes && terrains.iter().any(|(_, key)| key.is_smooth()) {
-            return Err(RenderError::Impossible {
-                what: "the smooth surface of a map with holes",
-                why: "it needs a height at every sample",
-                instead: "fill the holes (--holes fill), or choose another technique",
-            });
-        }
+        check_surfaces(&terrains, has_holes)?;
         if !probe {
             self.prepare_drape(scene, terrains.iter().any(|(_, key)| key.diffuse))?;
             self.prepare_skybox(scene)?;
@@ -145,10 +119,7 @@ impl Renderer {
                 || light.occluder
                 // A probe drops nothing that the pictures before and after it need.
                 || (probe && ground.pyramid().is_some());
-            let rule = Rule {
-                smooth: terrains.iter().any(|(_, key)| key.is_smooth()),
-                detail: terrains.iter().any(|(_, key)| key.is_fractal()).then(|| ground.detail(scene.detail.strength)),
-            };
+            let rule = surfaces(ground, scene, &terrains);
             ground.prepare(&self.gpu, &scene.craters, walked, rule);
             let kinds: Vec<_> = terrains.iter().filter_map(|(_, key)| key.needs_cones()).collect();
             ground.prepare_cones(&self.gpu, &scene.craters, &kinds, &|_| {});
@@ -236,109 +207,6 @@ impl Renderer {
         Some(TerrainKey::of_exact_distances(scene))
     }
 
-    /// Finds what the technique of `scene` needs to know of the terrain, so that the next frame need not: its cone map,
-    /// where it steps along cones. `progress` hears the share that is done, 0 to 1, from any thread. A map of cones is
-    /// of this ground alone, and kept; on another ground, and without this call, a frame finds it by itself.
-    pub fn prepare_cones(&mut self, scene: &Scene, progress: &(dyn Fn(f32) + Sync)) {
-        let key = TerrainKey::of(scene, false);
-        let (Some(ground), Some(kind)) = (&mut self.ground, key.needs_cones()) else { return };
-        ground.prepare(&self.gpu, &scene.craters, key.needs_pyramid(), Rule::default());
-        ground.prepare_cones(&self.gpu, &scene.craters, &[kind], progress);
-        self.uploaded += ground.take_uploaded();
-    }
-
-    /// The ground of `scene` and the kinds of cones on it that its next frame would have to find, because a technique of
-    /// the scene steps along them and they are not known; `None` where there is nothing to find.
-    ///
-    /// [`ConeMap::build_while`] finds them on [`ConeGround::field`], on another thread for instance;
-    /// [`Self::set_cones`] takes them.
-    pub fn missing_cones(&self, scene: &Scene) -> Option<(ConeGround, Vec<ConeKind>)> {
-        let ground = self.ground.as_ref()?;
-        let compared = scene.compare.enabled.then_some(scene.compare.technique);
-        let techniques = [Some(scene.march.technique), compared];
-        let keys = techniques.into_iter().flatten().map(|technique| TerrainKey::of_technique(scene, technique, false));
-        let mut kinds: Vec<_> = keys.filter_map(|key| key.needs_cones()).collect();
-        kinds.dedup();
-        if kinds.is_empty() {
-            return None;
-        }
-        let stand = ground.cone_ground(&self.gpu, &scene.craters);
-        kinds.retain(|&kind| ground.known_cones().find(&stand, kind).is_none());
-        (!kinds.is_empty()).then_some((stand, kinds))
-    }
-
-    /// Gives the renderer a map of cones for `ground`, so that no frame has to find it. It may serve several renderers. One
-    /// for a height map that is not the renderer's is of no use and not kept, nor is one with other cells.
-    pub fn set_cones(&mut self, ground: ConeGround, cones: Arc<ConeMap>) {
-        if let Some(own) = &mut self.ground
-            && Arc::ptr_eq(own.terrain().base(), ground.map())
-            && cones.cells() == ground.map().cells()
-        {
-            own.set_cones(ground, cones);
-        }
-    }
-
-    /// What a frame of `scene` of `size` pixels, or a probe of it, would have to compile or read first; `None` where all is there,
-    /// and where there is no such frame. That is said by who draws it.
-    pub(crate) fn missing_pipelines(&self, scene: &Scene, size: [u32; 2], probe: bool) -> Option<Compilation> {
-        scene_file::validate(scene).ok()?;
-        let mut keys = self.pipelines_of(scene, size, probe)?;
-        let terrains: Vec<_> =
-            keys.iter().filter_map(|key| if let PipelineKey::Terrain(key) = key { Some(*key) } else { None }).collect();
-        let images = if probe { Vec::new() } else { self.missing_images(scene, &terrains) };
-        keys.retain(|&key| !self.pipelines.has(key));
-        let missing = !(keys.is_empty() && images.is_empty());
-        missing.then(|| Compilation::new(&self.gpu, self.pipelines.sources(), &self.frame, keys, images))
-    }
-
-    /// The pipelines of a frame, also of what is out of view: it may come into view any moment.
-    fn pipelines_of(&self, scene: &Scene, size: [u32; 2], probe: bool) -> Option<Vec<PipelineKey>> {
-        let mut keys = Vec::new();
-        if let Some(ground) = &self.ground {
-            let deep = self.view(scene, size).deep;
-            let aim = if probe { Aim::Probe } else { Aim::Picture };
-            let mut terrain: Vec<_> = terrains(scene, size, aim, deep).into_iter().map(|(_, key)| key).collect();
-            if scene.debug.view == DebugView::Error && !probe {
-                terrain.push(TerrainKey::of_exact_distances(scene).in_a_deep_zoom(deep));
-            }
-            for key in &mut terrain {
-                *key = key.over_holes(ground.has_holes());
-            }
-            if terrain.iter().any(|key| !self.reads(ground, key)) {
-                return None;
-            }
-            if !probe {
-                keys.extend(self.water_key(scene, deep, false).map(PipelineKey::Water));
-            }
-            if terrain.iter().any(TerrainKey::starts_from_beams) {
-                keys.extend(Tiles::ALL.map(|tiles| PipelineKey::Beam(tiles, false)));
-            }
-            let light = if probe { LightKey::default() } else { LightKey::of_picture(scene) };
-            let maps = LightMapKey::all_of(light, ground.has_holes(), is_layered(scene));
-            keys.extend(maps.map(PipelineKey::LightMap));
-            keys.extend(terrain.into_iter().map(PipelineKey::Terrain));
-            if scene.debug.wireframe && !probe {
-                keys.push(PipelineKey::Wireframe);
-            }
-            if scene.occluder.enabled {
-                keys.push(PipelineKey::Occluder(occluder_key(scene, ground, probe)));
-            }
-        }
-        if scene.skybox.enabled && scene.debug.view != DebugView::Error && !probe {
-            keys.push(PipelineKey::Skybox(AirKey::of(scene).fog));
-        }
-        if !probe && self.ground.is_some() {
-            keys.extend(atmosphere::pipelines_of(scene));
-        }
-        Some(keys)
-    }
-
-    /// Whether the adapter can read the heights of `ground` the way that the pipeline does.
-    fn reads(&self, ground: &Ground, key: &TerrainKey) -> bool {
-        let units = ground.units();
-        !key.filters_heights() || self.gpu.capabilities.filters_heights(units, key.layered)
-    }
-
     pub(super) fn view(&self, scene: &Scene, size: [u32; 2]) -> View {
         let (camera, extent) = match &self.ground {
             Some(ground) => {
@@ -424,106 +292,10 @@ impl Renderer {
     pub(super) fn shows_terrain(&self, view: &View) -> bool {
         self.ground.is_some() && in_view(&view.box_clip)
     }
-
-    fn terrain_draw(
-        &mut self,
-        scene: &Scene,
-        view: &View,
-        side: Side,
-        key: TerrainKey,
-        aim: Aim<'_>,
-    ) -> Result<Option<Draw>, RenderError> {
-        let Some(ground) = &self.ground else { return Ok(None) };
-        if !in_view(&view.box_clip) {
-            return Ok(None);
-        }
-        if !self.reads(ground, &key) {
-            return Err(RenderError::Unsupported {
-                what: "hardware-linear filtering of these heights",
-                needs: "the feature float32-filterable",
-                instead: "choose the filter `exact`, which is also more precise",
-            });
-        }
-        let built = self.pipelines.get(&self.gpu, &self.frame.layout, PipelineKey::Terrain(key))?;
-        let mut uniform = TerrainUniform::new(scene, ground, self.drape.as_ref(), view.extent, &view.box_clip);
-        if view.deep && key.finds_ground() {
-            uniform.box_clip = as_f32(&terrain::whole_picture());
-        }
-        let textures = Textures {
-            ground,
-            drape: self.drape.as_ref(),
-            land: &self.land,
-            materials: self.materials.as_ref(),
-            atmosphere: &self.atmosphere,
-            beams: self.beams.as_ref(),
-            light_map: self.light_map.as_ref(),
-            given: if let Aim::Given(distances) = aim { Some(distances) } else { None },
-            exact: self.reference.as_ref().or(self.exact.as_ref()).map(ExactDistances::view),
-        };
-        let group = self.terrain.prepare(&self.gpu, &built, key, &uniform, &textures);
-        Ok(group.map(|group| Draw { name: side.name, built, group, edges: false, area: side.area }))
-    }
-
-    fn wireframe_draw(&mut self, view: &View, area: Area) -> Result<Option<Draw>, RenderError> {
-        // A little outside the box, so that its own walls do not cut the edges into dashes.
-        let clip = clip_corners(view.clip_from_world, terrain::world_from_box(view.extent));
-        if self.ground.is_none() || !in_view(&clip) {
-            return Ok(None);
-        }
-        let built = self.pipelines.get(&self.gpu, &self.frame.layout, PipelineKey::Wireframe)?;
-        let group =
-            self.wireframe.prepare(&self.gpu, &built, OccluderKey::default(), &wireframe::uniform(&clip), Vec::new());
-        Ok(Some(Draw { name: "wireframe", built, group, edges: true, area }))
-    }
-
-    fn occluder_draw(
-        &mut self,
-        scene: &Scene,
-        view: &View,
-        area: Area,
-        probe: bool,
-    ) -> Result<Option<Draw>, RenderError> {
-        let Some(ground) = &self.ground else { return Ok(None) };
-        let world_from_cube = occluder::world_from_cube(&scene.occluder, ground.terrain().base(), view.extent);
-        let clip = clip_corners(view.clip_from_world, world_from_cube);
-        if !in_view(&clip) {
-            return Ok(None);
-        }
-        let key = occluder_key(scene, ground, probe);
-        let built = self.pipelines.get(&self.gpu, &self.frame.layout, PipelineKey::Occluder(key))?;
-        let uniform = occluder::uniform(&clip, world_from_cube, &scene.lighting);
-        let mut entries = Vec::new();
-        if key.casts_shadows() {
-            if !in_view(&view.box_clip) {
-                // The terrain's own pass has not written it.
-                let uniform = TerrainUniform::new(scene, ground, self.drape.as_ref(), view.extent, &view.box_clip);
-                self.terrain.write(&self.gpu, &uniform);
-            }
-            let Some(shadow) = self.terrain.shadow_entries(ground, &self.terrain.light) else { return Ok(None) };
-            entries = shadow;
-        }
-        let Some(air) = self.atmosphere.entries(key.air) else { return Ok(None) };
-        entries.extend(air);
-        let group = self.occluder.prepare(&self.gpu, &built, key, &uniform, entries);
-        Ok(Some(Draw { name: "occluder", built, group, edges: false, area }))
-    }
-}
-
-/// What the occluder's picture needs of the light: hills hide the sun from it.
-fn occluder_key(scene: &Scene, ground: &Ground, probe: bool) -> OccluderKey {
-    let light = if probe { LightKey::default() } else { LightKey::of(scene) };
-    let casts = light.shadows != Shadows::Off;
-    let layered = casts && is_layered(scene);
-    let air = if probe { AirKey::default() } else { AirKey::of(scene) };
-    OccluderKey { probe, shadows: light.shadows, holes: casts && ground.has_holes(), layered, air }
-}
-
-fn is_layered(scene: &Scene) -> bool {
-    scene.craters.mode == CraterMode::Layered && !scene.craters.list.is_empty()
 }
 
 /// The terrain's draws: the parts of the picture, and the pipeline of each.
-fn terrains(scene: &Scene, size: [u32; 2], aim: Aim<'_>, deep: bool) -> Vec<(Side, TerrainKey)> {
+pub(super) fn terrains(scene: &Scene, size: [u32; 2], aim: Aim<'_>, deep: bool) -> Vec<(Side, TerrainKey)> {
     let probe = aim.probes();
     if let Aim::Given(_) = aim {
         let side = Side { name: "terrain", technique: scene.march.technique, area: Area::whole(size) };

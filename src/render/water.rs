@@ -7,7 +7,6 @@ use bytemuck::{Pod, Zeroable};
 use glam::{DMat4, DVec3, Vec3};
 
 use crate::gpu::{Gpu, PROBE_FORMAT, Target, read_texture, sized_texture};
-use crate::heightfield::bounds::Rule;
 use crate::scene::{DebugView, Scene, Technique, Water};
 
 use super::cube::in_view;
@@ -338,7 +337,7 @@ impl Renderer {
             materials: self.materials.as_ref(),
             atmosphere: &self.atmosphere,
             beams: None,
-            light_map: self.light_map.as_ref(),
+            light_map: self.baking.map.as_ref(),
             given: None,
             exact: None,
         };
@@ -366,11 +365,7 @@ impl Renderer {
         let view = self.view(scene, size);
         let none = vec![None; size[0] as usize * size[1] as usize];
         let Some(key) = self.water_key(scene, view.deep, true) else { return Ok(none) };
-        if let Some(ground) = &mut self.ground {
-            let rule = Rule { smooth: key.ground.is_smooth(), ..Rule::default() };
-            ground.prepare(&self.gpu, &scene.craters, true, rule);
-            self.uploaded += ground.take_uploaded();
-        }
+        self.prepare_ground(scene, &view)?;
         self.frame.write(&self.gpu, &FrameUniform::new(&view.camera, size, view.extent, scene.skybox.flattening));
         let Some(draw) = self.water_draw(scene, &view, Area::whole(size), key)? else { return Ok(none) };
         let color = sized_texture(&self.gpu, "probe", size, PROBE_FORMAT, &[]);
