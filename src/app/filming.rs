@@ -9,11 +9,14 @@ use image::RgbaImage;
 
 use super::frame::FrameError;
 use super::graphics::Graphics;
+use super::legend::{self, Against};
 use super::redraw::Next;
+use super::stamp::{Legend, Stamp};
 use super::viewer::Viewer;
 use crate::animation::AnimationWriter;
 use crate::camera_path::Track;
-use crate::gpu::Target;
+use crate::gpu::{Gpu, ReadbackError, Target};
+use crate::heightfield::HeightField;
 use crate::render::RenderError;
 use crate::scene::Scene;
 
@@ -31,6 +34,8 @@ pub(super) struct Film {
     scene: Scene,
     track: Track,
     target: Target,
+    /// Draws the legend, where the scene asks for one.
+    stamp: Option<Stamp>,
     count: u32,
     drawn: u32,
     /// Drawn, and not yet handed over.
@@ -47,6 +52,13 @@ impl Film {
     /// How far it is, in words.
     pub(super) fn in_words(&self) -> String {
         format!("Writing picture {} of {} … (Esc cancels)", self.drawn.min(self.count), self.count)
+    }
+
+    /// The picture that was drawn last, with its legend.
+    fn read(&mut self, gpu: &Gpu, map: &HeightField) -> Result<RgbaImage, ReadbackError> {
+        let Some(stamp) = &mut self.stamp else { return self.target.read_color(gpu) };
+        let legend = Legend { scene: &self.scene, map, errors: Against::default(), pixels_per_point: None };
+        stamp.picture(gpu, &self.target, &legend)
     }
 
     /// When it has to go on.
@@ -145,7 +157,9 @@ impl Viewer {
         match begun {
             Ok((pictures, result, encoder)) => {
                 self.journey.stop();
+                let stamps = self.scene.saved.legend && legend::exists(&self.scene);
                 self.film = Some(Film {
+                    stamp: stamps.then(|| Stamp::new(&graphics.gpu)),
                     scene: self.scene.clone(),
                     track,
                     target: Target::new(&graphics.gpu, size),
@@ -209,7 +223,7 @@ impl Viewer {
         graphics.renderer.set_bake_budget(None);
         let drawn = graphics.renderer.time(&film.scene, &film.target);
         graphics.limit_baking();
-        match drawn.and_then(|_| film.target.read_color(&graphics.gpu).map_err(RenderError::from)) {
+        match drawn.and_then(|_| Ok(film.read(&graphics.gpu, &self.map)?)) {
             Ok(picture) => {
                 (film.picture, film.drawn) = (Some(picture), film.drawn + 1);
                 film.hand_over();

@@ -22,6 +22,7 @@
 //! | `gamepad` | sticks; only with the feature of that name |
 //! | `settings`, `panel`, `overlay`, `toasts` | what egui draws |
 //! | `reading`, `profile`, `legend` | the land under the cursor and between two clicks; what its colours mean |
+//! | `stamp` | the legend in saved pictures, with or without a window |
 //! | `measure`, `tradeoff` | frame times and steps per ray; error against time of the techniques |
 //! | `errors` | what the viewer does with those of techniques |
 //! | `reference`, `cones` | the f64 reference of the error view, and cone maps, on threads of their own |
@@ -50,7 +51,7 @@ mod journey;
 mod keeping;
 mod key_names;
 mod keys;
-mod legend;
+pub(crate) mod legend;
 mod loading;
 mod log_pane;
 mod measure;
@@ -66,6 +67,7 @@ mod reference;
 mod scale;
 mod screenshot;
 mod settings;
+pub(crate) mod stamp;
 mod status;
 mod surface;
 mod toasts;

@@ -8,6 +8,7 @@ use egui::{
 
 use super::actions::{ACTIONS, FIXED};
 use super::keys::KeyMap;
+use super::legend::Against;
 use super::measure::{FRAMES, FrameTimes, Steps};
 use crate::render::{COVERS_SKY, ERROR_DECADES, Ledger, SEE_THROUGH, SKY_BOTH, heat_map_colour};
 use crate::scene::{Scene, Technique};
@@ -78,9 +79,8 @@ pub(crate) fn legend(ctx: &Context, free: Rect, maximum: u32) -> Rect {
     })
 }
 
-/// What the colours of the error view mean, and what the errors are against: `reference`, the one in f64, or the exact
-/// technique, while the reference is `awaited` or for good. Where the box is.
-pub(crate) fn error_legend(ctx: &Context, free: Rect, reference: bool, awaited: bool) -> Rect {
+/// What the colours of the error view mean, and what the errors are against. Where the box is.
+pub(crate) fn error_legend(ctx: &Context, free: Rect, Against { reference, awaited }: Against) -> Rect {
     boxed(ctx, "legend", (Align2::LEFT_BOTTOM, free.left_bottom() + vec2(MARGIN, -MARGIN)), |ui| {
         let against = match (reference, awaited) {
             (true, _) => "against the f64 reference",
@@ -236,10 +236,12 @@ pub(crate) fn hint(ctx: &Context, free: Rect, text: &str, working: bool) -> Rect
 pub(crate) fn help(ctx: &Context, free: Rect, keys: &KeyMap, open: &mut bool) {
     // Offered the whole screen at any time, it takes what its contents need: egui's own offer is 340 points wide, and
     // remembered when the screen grows. In a small one the rest is scrolled to.
-    let room = (ctx.content_rect().size() - vec2(40.0, 70.0)).max(Vec2::ZERO);
+    let screen = ctx.content_rect();
+    let room = (screen.size() - vec2(40.0, 70.0)).max(Vec2::ZERO);
     let window = egui::Window::new("Help").id(Id::unique("help")).open(open).collapsible(false).auto_sized();
     let window = window.min_size(room).max_size(room).pivot(Align2::CENTER_CENTER).default_pos(free.center());
-    window.show(ctx, |ui| {
+    // What is wider than the part beside the panel lies over the panel, too, and not at the screen's edge.
+    window.constrain_to(screen.shrink(MARGIN.min(0.25 * screen.size().min_elem()))).show(ctx, |ui| {
         ScrollArea::both().max_width(room.x).max_height(room.y).show(ui, |ui| {
             ui.style_mut().wrap_mode = Some(TextWrapMode::Extend);
             let chosen = ACTIONS.iter().map(|entry| (keys.shown(entry.action), entry.does));
