@@ -18,9 +18,8 @@
 //! | `frame` | one frame: fly, run the panel, draw the scene if it changed, present |
 //! | `graphics`, `surface`, `scale` | what lives on the GPU; the surface's life; the monitor's scale |
 //! | `controls`, `picking`, `redraw` | the fly camera, the crater under the cursor, when a frame is due: no window needed |
-//! | `settings`, `panel`, `overlay`, `toasts`, `log_pane`, `welcome` | what egui draws |
+//! | `settings`, `panel`, `overlay`, `toasts`, `log_pane`, `welcome`, `looks` | what egui draws |
 //! | `gamepad` | sticks; only with the feature of that name |
-//! | `settings`, `panel`, `overlay`, `toasts` | what egui draws |
 //! | `reading`, `profile`, `legend` | the land under the cursor and between two clicks; what its colours mean |
 //! | `stamp` | the legend in saved pictures, with or without a window |
 //! | `measure`, `tradeoff` | frame times and steps per ray; error against time of the techniques |
@@ -54,6 +53,7 @@ mod keys;
 pub(crate) mod legend;
 mod loading;
 mod log_pane;
+mod looks;
 mod measure;
 mod orbit;
 mod overlay;

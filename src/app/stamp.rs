@@ -13,13 +13,15 @@ use crate::scene::Scene;
 /// A picture of this size has a legend of the size that it has in a window, larger pictures a larger one.
 const PLAIN: [f32; 2] = [1280.0, 800.0];
 
-/// egui knows how large a box is once it has drawn it.
-const PASSES: usize = 2;
+/// egui knows how large a box is once it has drawn it, and fades it in from the next pass on.
+const PASSES: usize = 3;
 
 /// Draws legends into pictures. Its pipeline and font stay from picture to picture.
 pub(crate) struct Stamp {
     ctx: Context,
     painter: egui_wgpu::Renderer,
+    /// egui's clock: what it animates has come to rest by the next pass.
+    seconds: f64,
 }
 
 impl Stamp {
@@ -28,7 +30,10 @@ impl Stamp {
         let ctx = Context::default();
         // The boxes are dark over any picture.
         ctx.set_theme(egui::Theme::Dark);
-        Self { ctx, painter: egui_wgpu::Renderer::new(&gpu.device, COLOR_BYTES_FORMAT, RendererOptions::default()) }
+        // Whole in its first picture: a box fades in.
+        ctx.all_styles_mut(|style| style.animation_time = 0.0);
+        let painter = egui_wgpu::Renderer::new(&gpu.device, COLOR_BYTES_FORMAT, RendererOptions::default());
+        Self { ctx, painter, seconds: 0.0 }
     }
 
     /// The picture in `target` as it is saved, 8-bit sRGB: with what `legend` says. `target` stays as it is.
@@ -83,7 +88,9 @@ impl Stamp {
         let screen = Rect::from_min_size(egui::Pos2::ZERO, vec2(size[0] as f32, size[1] as f32) / scale);
         let mut shapes = Vec::new();
         for _ in 0..PASSES {
-            let mut input = RawInput { screen_rect: Some(screen), ..RawInput::default() };
+            self.seconds += 1.0;
+            let time = Some(self.seconds);
+            let mut input = RawInput { screen_rect: Some(screen), time, ..RawInput::default() };
             input.viewports.entry(ViewportId::ROOT).or_default().native_pixels_per_point = Some(scale);
             let mut output = self.ctx.run_ui(input, |ui| {
                 legend::show(ui.ctx(), screen, legend.scene, legend.map, legend.errors);
