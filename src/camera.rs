@@ -109,7 +109,8 @@ impl Camera {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum NamedView {
-    /// The view a terrain opens with: from above its southern edge over all of it.
+    /// The view a terrain opens with: from above its southern edge over all of it. One that is much longer than wide, or
+    /// higher than that, is seen whole from outside.
     Start,
     /// From above a corner, down over the middle.
     Over,
@@ -147,6 +148,7 @@ impl NamedView {
         let over_ground =
             |x: f64, z: f64, clearance: f64| DVec3::new(x, sy * map.surface_height(x / sx, z / sz) + clearance, z);
         match self {
+            Self::Start if is_slender(extent) => frame_all(extent, fov),
             Self::Start => {
                 let eye = DVec3::new(sx * 0.66, sy * 1.1 + 0.17 * sz, sz * 1.0);
                 Camera::look_at(eye, DVec3::new(sx * 0.42, sy * 0.3, sz * 0.36), fov)
@@ -170,6 +172,39 @@ impl NamedView {
             }
         }
     }
+}
+
+/// Sides of a box beyond which the usual start view would cut it off or look past it: the longer horizontal one against the
+/// shorter, and the height against the longer.
+const SLENDER: [f64; 2] = [1.5, 0.6];
+
+fn is_slender(extent: DVec3) -> bool {
+    let (long, short) = (extent.x.max(extent.z), extent.x.min(extent.z));
+    long > SLENDER[0] * short || extent.y > SLENDER[1] * long
+}
+
+/// The whole box from above, its longer side across the picture: from the south, or from the east where it is longer from
+/// north to south.
+///
+/// The box keeps to the middle of the picture, where it is whole at any usual size of the picture and beside the panel.
+fn frame_all(extent: DVec3, fov: f64) -> Camera {
+    /// Degrees aside and down.
+    const TURN: f64 = 25.0;
+    const PITCH: f64 = -30.0;
+    /// Shares of half the picture's height that the box may reach to, across and up.
+    const ROOM: [f64; 2] = [0.75, 0.8];
+    let yaw = if extent.z > extent.x { -90.0 + TURN } else { -TURN };
+    let camera = Camera { eye: extent * 0.5, yaw, pitch: PITCH, fov };
+    let (Basis { forward, right, up }, half) = (camera.basis(), camera.half_height());
+    let corners = (0..8).map(|corner| {
+        let side = |bit: u32| if corner >> bit & 1 == 1 { 0.5 } else { -0.5 };
+        extent * DVec3::new(side(0), side(1), side(2))
+    });
+    let needed = corners.map(|corner| {
+        let beside = (corner.dot(right).abs() / ROOM[0]).max(corner.dot(up).abs() / ROOM[1]);
+        beside / half - corner.dot(forward)
+    });
+    Camera { eye: camera.eye - forward * needed.fold(0.0, f64::max), ..camera }
 }
 
 /// The compass direction in which the ground stays below `eye` the longest, degrees.
@@ -209,6 +244,37 @@ mod tests {
                 assert!((ndc.z - NEAR / depth).abs() < 1e-12);
             }
         }
+    }
+
+    /// Strips, towers and what exaggeration makes of them: the view that a map opens with shows all of it.
+    #[test]
+    fn the_start_view_of_a_slender_map_shows_all_of_it() {
+        let map = HeightField::from_raw(2, 2, &[0.0f64, 1.0, 0.0, 1.0]).unwrap();
+        let whole = |extent: DVec3, size: [u32; 2]| {
+            let matrix = NamedView::Start.camera(&map, extent).clip_from_world(size);
+            (0..8).all(|corner| {
+                let side = |bit: u32| f64::from(corner >> bit & 1);
+                let clip = matrix * (extent * DVec3::new(side(0), side(1), side(2))).extend(1.0);
+                clip.w > NEAR && clip.x.abs() < clip.w && clip.y.abs() < clip.w
+            })
+        };
+        for extent in [
+            [0.02, 0.25, 1.0],  // 40 × 2000 samples
+            [1.0, 0.25, 0.02],  // 2000 × 40
+            [1.0, 0.05, 0.56],  // carrizo.tif
+            [0.56, 0.05, 1.0],  // the same, turned
+            [1.0, 6.0, 1.0],    // the canyon, 100 times as high
+            [1.0, 1000.0, 1.0], // as high as it can be
+            [0.001, 2.0, 1.0],
+            [1.0, 0.0, 0.3],
+        ] {
+            for size in [[1280, 800], [800, 800], [2560, 1080]] {
+                assert!(whole(DVec3::from(extent), size), "{extent:?} at {size:?}");
+            }
+        }
+        // Others keep the view from above their southern edge.
+        let usual = NamedView::Start.camera(&map, DVec3::new(1.0, 0.25, 0.8));
+        assert!(usual.eye.abs_diff_eq(DVec3::new(0.66, 0.25 * 1.1 + 0.17 * 0.8, 0.8), 1e-12), "{usual:?}");
     }
 
     #[test]

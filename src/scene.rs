@@ -11,6 +11,7 @@ pub mod land;
 pub mod light;
 mod materials;
 pub mod ramp;
+mod saved;
 pub mod sun;
 mod water;
 
@@ -31,6 +32,7 @@ pub use detail::DetailSettings;
 pub use flare::FlareSettings;
 pub use land::{GroundColour, Hillshade, LandSettings};
 pub use ramp::Ramp;
+pub use saved::SavedSettings;
 
 pub use water::Water;
 
@@ -75,6 +77,8 @@ pub struct Scene {
     pub craters: CraterSettings,
     /// The sea.
     pub water: Water,
+    /// What saved pictures get besides.
+    pub saved: SavedSettings,
 }
 
 /// The height map and its proportion.

@@ -24,8 +24,10 @@ pub enum SceneFileError {
     },
     /// A key or a name that does not exist.
     #[error(
-        "{}:{line}: there is no {kind} `{found}`\nThe nearest valid {kind} is `{nearest}`; valid here: {}.\nCorrect the line, or remove it.",
-        path.display(), valid.join(", ")
+        "{}:{line}: there is no {kind} `{found}`\n{}alid here: {}.\nCorrect the line, or remove it.",
+        path.display(),
+        nearest.as_ref().map_or_else(|| "V".to_owned(), |nearest| format!("The nearest valid {kind} is `{nearest}`; v")),
+        valid.join(", ")
     )]
     Unknown {
         /// The file.
@@ -36,10 +38,20 @@ pub enum SceneFileError {
         kind: &'static str,
         /// What the file says.
         found: String,
-        /// What it may have meant.
-        nearest: String,
+        /// What it may have meant, where anything valid is like it.
+        nearest: Option<String>,
         /// Everything that is valid in this place.
         valid: Vec<String>,
+    },
+    /// A table without a key that it cannot do without.
+    #[error("{}:{line}: the key `{key}` is missing\nThe table there cannot do without it.\nAdd the key, or remove the table.", path.display())]
+    Missing {
+        /// The file.
+        path: PathBuf,
+        /// The line of the table, from 1.
+        line: usize,
+        /// The key.
+        key: String,
     },
     /// Not TOML, or a value of the wrong type.
     #[error("{}:{line}: {reason}\nA scene file is TOML; the README shows one.\nCorrect the line, or remove it.", path.display())]
@@ -53,8 +65,8 @@ pub enum SceneFileError {
     },
     /// A value that no picture can be made with.
     #[error(
-        "{}: {} cannot be {}\nIt must be {}.\nCorrect the value, or remove the key: every key has a default.",
-        path.display(), reason.field, reason.value, reason.range
+        "{}: {} cannot be {}\nIt must be {}.\nCorrect the value, or remove {}.",
+        path.display(), reason.field, reason.value, reason.range, reason.removable()
     )]
     Value {
         /// The file.
@@ -84,6 +96,15 @@ impl OutOfRange {
     fn inside(mut self, table: &str) -> Self {
         self.field = format!("{table}.{}", self.field);
         self
+    }
+
+    /// What can be removed from a scene file instead of being corrected: not every key has a default.
+    fn removable(&self) -> &'static str {
+        match self.field.as_str() {
+            "camera.eye" => "the whole table: without it the view is the start view",
+            field if field.starts_with("craters.list[") => "that crater",
+            _ => "the key: it has a default",
+        }
     }
 }
 
@@ -146,17 +167,24 @@ pub(crate) fn explain(path: &Path, text: &str, error: &toml::de::Error) -> Scene
     let mut quoted = message.split('`').skip(1).step_by(2).map(str::to_owned);
     if let (Some(kind), Some(found)) = (kind, quoted.next()) {
         let valid: Vec<String> = quoted.collect();
-        if let Some(nearest) = nearest(&found, &valid) {
+        if !valid.is_empty() {
+            let nearest = nearest(&found, &valid);
             return SceneFileError::Unknown { path, line, kind, found, nearest, valid };
         }
+    }
+    if let Some(key) = message.strip_prefix("missing field `").and_then(|rest| rest.strip_suffix('`')) {
+        return SceneFileError::Missing { path, line, key: key.to_owned() };
     }
     SceneFileError::Syntax { path, line, reason: message.to_owned() }
 }
 
-/// The candidate most like `word`.
+/// The candidate most like `word`, where one is so like it that it may have been meant: at most one letter of three is
+/// wrong.
 fn nearest(word: &str, candidates: &[String]) -> Option<String> {
-    let likeness = |candidate: &String| strsim::jaro_winkler(&word.to_lowercase(), candidate);
-    candidates.iter().max_by(|a, b| likeness(a).total_cmp(&likeness(b))).cloned()
+    let word = word.to_lowercase();
+    let distance = |candidate: &String| strsim::damerau_levenshtein(&word, candidate);
+    let meant = |candidate: &&String| 3 * distance(candidate) <= word.chars().count().max(candidate.chars().count());
+    candidates.iter().filter(meant).min_by_key(|candidate| distance(candidate)).cloned()
 }
 
 /// Checks that a picture can be made of `scene`: every number finite and inside its range. The renderer refuses a scene
@@ -185,6 +213,8 @@ pub fn validate(scene: &Scene) -> Result<(), OutOfRange> {
         debug,
         craters,
         water,
+        // Nothing in it can be out of range.
+        saved: _,
     } = scene;
     if let Some(scale) = terrain.height_scale {
         check("terrain.height_scale", scale, HEIGHT_SCALES)?;
@@ -351,6 +381,46 @@ mod tests {
         let error = read_text("\n[march]\ntechnique = \"max-mipmaps\"\n").unwrap_err().to_string();
         assert!(error.contains(":3: there is no name `max-mipmaps`"), "{error}");
         assert!(error.contains("nearest valid name is `max-mipmap`"), "{error}");
+    }
+
+    /// A suggestion that has nothing to do with the word sends people the wrong way.
+    #[test]
+    fn a_word_like_nothing_valid_gets_the_list_and_no_suggestion() {
+        for (text, listed) in [
+            ("[air]\naerial = true\n", "perspective"),
+            ("[air]\nenabled = true\n", "fog_scale"),
+            ("[march]\ntechnique = \"voxels\"\n", "max-mipmap"),
+        ] {
+            let error = read_text(text).unwrap_err().to_string();
+            assert!(!error.contains("nearest") && error.contains("\nValid here: "), "{error}");
+            assert!(error.contains(listed), "{error}");
+        }
+        for (text, meant) in [
+            ("[air]\nfog_densty = 1\n", "`fog_density`"),
+            ("[air]\nVisibility = 1\n", "`visibility`"),
+            ("[march]\nbinary_step = 1\n", "`binary_steps`"),
+        ] {
+            let error = read_text(text).unwrap_err().to_string();
+            assert!(error.contains(&format!("is {meant}; valid here: ")), "{error}");
+        }
+    }
+
+    /// The advice of an error is not to lead to the next one.
+    #[test]
+    fn only_what_has_a_default_is_to_be_removed() {
+        for (text, advice) in [
+            ("[camera]\neye = [0.0, inf, 0.0]", "remove the whole table"),
+            ("[camera]\neye = [0.0, 0.0, 0.0]\nfov = 180.0", "remove the key: it has a default"),
+            ("[craters]\nlist = [{ x = 0.5, z = 0.5, radius = 0.0, depth = 0.1, rim = 0.0 }]", "remove that crater"),
+        ] {
+            let error = read_text(text).unwrap_err().to_string();
+            assert!(error.contains(advice), "{error}");
+        }
+        let error = read_text("[march]\n[camera]\nyaw = 3.0\n").unwrap_err().to_string();
+        assert!(
+            error.contains("scene.toml:2: the key `eye` is missing") && error.contains("remove the table"),
+            "{error}"
+        );
     }
 
     #[test]

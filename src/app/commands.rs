@@ -6,8 +6,10 @@ use winit::window::Fullscreen;
 
 use super::frame::FrameError;
 use super::graphics::Graphics;
+use super::legend;
 use super::screenshot;
 use super::settings::Command;
+use super::stamp::{Legend, Stamp};
 use super::viewer::Viewer;
 use super::visible::scene_of_picture;
 use super::window::UserEvent;
@@ -48,7 +50,19 @@ impl Viewer {
 
     /// Reads the kept picture back and writes it with its scene, the writing on another thread.
     pub(super) fn screenshot(&mut self, graphics: &Graphics) -> Result<(), FrameError> {
-        let picture = match graphics.target.read_color(&graphics.gpu) {
+        // What the picture shows: not what a key has changed since, nor a technique that still has to be compiled or whose
+        // cones are being found.
+        let scene =
+            self.drawn.as_ref().map_or_else(|| self.scene.clone(), |drawn| scene_of_picture(drawn, &self.scene));
+        let read = if scene.saved.legend && legend::exists(&scene) {
+            let errors = self.errors_against();
+            let pixels_per_point = Some(self.pixels_per_point() as f32);
+            let legend = Legend { scene: &scene, map: &self.map, errors, pixels_per_point };
+            Stamp::new(&graphics.gpu).picture(&graphics.gpu, &graphics.target, &legend)
+        } else {
+            graphics.target.read_color(&graphics.gpu)
+        };
+        let picture = match read {
             Ok(picture) => picture,
             Err(error) => {
                 self.toasts.error(&format!("No screenshot: {error}"));
@@ -56,10 +70,6 @@ impl Viewer {
             }
         };
         let (folder, proxy) = (self.screenshots.clone(), self.proxy.clone());
-        // What the picture shows: not what a key has changed since, nor a technique that still has to be compiled or whose
-        // cones are being found.
-        let scene =
-            self.drawn.as_ref().map_or_else(|| self.scene.clone(), |drawn| scene_of_picture(drawn, &self.scene));
         self.saving = true;
         let write = move || {
             let result = screenshot::save(&folder, &picture, &scene).map_err(|error| error.to_string());

@@ -6,6 +6,7 @@ use std::time::Instant;
 
 use super::frame::FrameError;
 use super::graphics::Graphics;
+use super::legend::Against;
 use super::reference::Question;
 use super::viewer::Viewer;
 use super::visible::visible_part;
@@ -79,6 +80,11 @@ impl Viewer {
     /// Whether the reference of the picture on screen is being waited for.
     pub(super) fn awaits_reference(&self) -> bool {
         self.reference.is_busy()
+    }
+
+    /// What the error view's errors are against.
+    pub(super) fn errors_against(&self) -> Against {
+        Against { reference: self.shows_reference, awaited: self.awaits_reference() }
     }
 
     /// Keeps the reference's distances those of the view on screen: found on other threads once it rests.

@@ -9,11 +9,14 @@ use image::RgbaImage;
 
 use super::frame::FrameError;
 use super::graphics::Graphics;
+use super::legend::{self, Against};
 use super::redraw::Next;
+use super::stamp::{Legend, Stamp};
 use super::viewer::Viewer;
 use crate::animation::AnimationWriter;
 use crate::camera_path::Track;
-use crate::gpu::Target;
+use crate::gpu::{Gpu, ReadbackError, Target};
+use crate::heightfield::HeightField;
 use crate::render::{Baking, RenderError, Renderer};
 use crate::scene::Scene;
 
@@ -33,6 +36,8 @@ pub(super) struct Film {
     target: Target,
     /// The window's scene goes on meanwhile, with a sun of its own.
     baking: Baking,
+    /// Draws the legend, where the scene asks for one.
+    stamp: Option<Stamp>,
     count: u32,
     drawn: u32,
     /// Drawn, and not yet handed over.
@@ -51,20 +56,27 @@ impl Film {
         format!("Writing picture {} of {} … (Esc cancels)", self.drawn.min(self.count), self.count)
     }
 
+    /// The picture that was drawn last, with its legend.
+    fn read(&mut self, gpu: &Gpu, map: &HeightField) -> Result<RgbaImage, ReadbackError> {
+        let Some(stamp) = &mut self.stamp else { return self.target.read_color(gpu) };
+        let legend = Legend { scene: &self.scene, map, errors: Against::default(), pixels_per_point: None };
+        stamp.picture(gpu, &self.target, &legend)
+    }
+
     /// When it has to go on.
     pub(super) fn next(&self, now: Instant) -> Next {
         Next::At(self.wait.unwrap_or(now))
     }
 
     /// Draws the next picture as `render --path` does: with the whole light map of this very sun.
-    fn draw(&mut self, renderer: &mut Renderer) -> Result<RgbaImage, RenderError> {
+    fn draw(&mut self, renderer: &mut Renderer, map: &HeightField) -> Result<RgbaImage, RenderError> {
         let share = f64::from(self.drawn) / f64::from((self.count - 1).max(1));
         self.scene.camera = Some(self.track.at(self.track.seconds() * share));
         renderer.swap_baking(&mut self.baking);
         let drawn = renderer.time(&self.scene, &self.target);
         renderer.swap_baking(&mut self.baking);
         drawn?;
-        Ok(self.target.read_color(renderer.gpu())?)
+        Ok(self.read(renderer.gpu(), map)?)
     }
 
     /// Hands a picture over. False while the encoder is busy; true also where it has ended early: its result says why.
@@ -163,7 +175,9 @@ impl Viewer {
         match begun {
             Ok((pictures, result, encoder)) => {
                 self.journey.stop();
+                let stamps = self.scene.saved.legend && legend::exists(&self.scene);
                 self.film = Some(Film {
+                    stamp: stamps.then(|| Stamp::new(&graphics.gpu)),
                     scene: self.scene.clone(),
                     track,
                     target: Target::new(&graphics.gpu, size),
@@ -222,7 +236,7 @@ impl Viewer {
             film.wait = Some(now + PAUSE);
             return Ok(());
         }
-        match film.draw(&mut graphics.renderer) {
+        match film.draw(&mut graphics.renderer, &self.map) {
             Ok(picture) => {
                 (film.picture, film.drawn) = (Some(picture), film.drawn + 1);
                 film.hand_over();

@@ -13,7 +13,7 @@ use super::visible::visible_part;
 use super::{AppError, controls, legend, overlay, panel, welcome};
 use crate::heightfield::HeightField;
 use crate::render::RenderError;
-use crate::scene::{DebugView, Scene};
+use crate::scene::Scene;
 
 /// How often it is told how far the search for cones is.
 const CONES_PAUSE: Duration = Duration::from_millis(200);
@@ -240,17 +240,7 @@ impl Viewer {
         if self.view.overlay {
             boxes.push(overlay::statistics(ui, &self.meter.times, self.steps(), &self.facts.ledger, timestamps));
         }
-        match self.scene.debug.view {
-            DebugView::Steps => boxes.push(overlay::legend(&ctx, self.free, self.scene.debug.heat_map_max)),
-            DebugView::Error => {
-                let (reference, awaited) = (self.shows_reference, self.awaits_reference());
-                boxes.push(overlay::error_legend(&ctx, self.free, reference, awaited));
-            }
-            _ => {}
-        }
-        if self.scene.debug.view == DebugView::None && self.scene.land.has_legend() {
-            boxes.push(legend::show(&ctx, self.free, &self.scene.land, &self.map));
-        }
+        boxes.extend(legend::show(&ctx, self.free, &self.scene, &self.map, self.errors_against()));
         boxes.extend(self.show_reading(&ctx));
         if self.view.reading.measure {
             self.show_profile(&ctx, commands, now);
@@ -348,6 +338,10 @@ impl Viewer {
                 let subject = Subject::of(&visible, graphics.renderer.ledger(), graphics.target.size());
                 self.meter.scene_was_drawn(subject, now);
                 self.drawn = Some(visible);
+                if self.facts.images.doubts != graphics.renderer.imagery_doubts() {
+                    self.facts.images.doubts = graphics.renderer.imagery_doubts().to_vec();
+                    self.redraw.invalidate();
+                }
                 if self.measured_before(graphics) {
                     self.redraw.invalidate();
                 }
@@ -360,6 +354,9 @@ impl Viewer {
                 self.baking = None;
                 self.toasts.error(&error.to_string());
                 self.redraw.invalidate();
+                if let RenderError::Image { path, reason } = &error {
+                    self.facts.images.refused = Some((path.clone(), reason.clone()));
+                }
                 if put_back(&mut self.scene, self.last_good.as_ref(), &error) {
                     return Ok(());
                 }

@@ -9,6 +9,7 @@ use winit::window::WindowAttributes;
 
 use super::desktop::Wishes;
 use super::keys::KeyMap;
+use super::looks;
 use super::preferences::{Interface, Motion, Moving, Pace, Preferences, Store, Theme, WindowPlace};
 use super::redraw::Next;
 use super::viewer::Viewer;
@@ -201,6 +202,7 @@ impl Viewer {
                 (Theme::System, None) => egui::ThemePreference::System,
             };
             ctx.set_theme(theme);
+            looks::legible(ctx);
             let usual = egui::Style::default().animation_time;
             ctx.all_styles_mut(|style| style.animation_time = if looks.1 { 0.0 } else { usual });
         }

@@ -1,11 +1,11 @@
-//! What the colours of the land and its lines mean, beside the picture.
+//! What the colours of the land and its lines mean, or those of a heat map: beside the picture, and in saved ones.
 
 use egui::{Align2, Color32, Context, Mesh, Rect, Sense, Shape, Ui, pos2, vec2};
 
-use super::overlay::boxed;
+use super::overlay::{self, boxed};
 use crate::heightfield::HeightField;
 use crate::scene::land::{LandScale, number, round_interval};
-use crate::scene::{GroundColour, LandSettings, ramp};
+use crate::scene::{DebugView, GroundColour, LandSettings, Scene, ramp};
 
 /// Widest the scale is, points; a narrow window has less room.
 const WIDEST: f32 = 360.0;
@@ -16,8 +16,34 @@ const MARGIN: f32 = 10.0;
 /// Colours in a scale.
 const STOPS: u32 = 128;
 
-/// The legend in the lower left corner of the part that the panel leaves free. Where its box is.
-pub(crate) fn show(ctx: &Context, free: Rect, land: &LandSettings, map: &HeightField) -> Rect {
+/// What the errors of the error view are against.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Against {
+    /// The reference in f64, not the exact technique.
+    pub(crate) reference: bool,
+    /// The reference is being waited for.
+    pub(crate) awaited: bool,
+}
+
+/// Whether the picture of `scene` has a legend.
+pub(crate) fn exists(scene: &Scene) -> bool {
+    match scene.debug.view {
+        DebugView::Steps | DebugView::Error => true,
+        DebugView::None => scene.land.has_legend(),
+        _ => false,
+    }
+}
+
+/// The legend of `scene` in the lower left corner of the part that the panel leaves free. Where its box is, if there is one.
+pub(crate) fn show(ctx: &Context, free: Rect, scene: &Scene, map: &HeightField, errors: Against) -> Option<Rect> {
+    exists(scene).then(|| match scene.debug.view {
+        DebugView::Steps => overlay::legend(ctx, free, scene.debug.heat_map_max),
+        DebugView::Error => overlay::error_legend(ctx, free, errors),
+        _ => land_legend(ctx, free, &scene.land, map),
+    })
+}
+
+fn land_legend(ctx: &Context, free: Rect, land: &LandSettings, map: &HeightField) -> Rect {
     let scale = land.scale(map);
     let corner = free.left_bottom() + vec2(MARGIN, -MARGIN);
     boxed(ctx, "land legend", (Align2::LEFT_BOTTOM, corner), |ui| {

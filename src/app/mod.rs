@@ -18,10 +18,10 @@
 //! | `frame` | one frame: fly, run the panel, draw the scene if it changed, present |
 //! | `graphics`, `surface`, `scale` | what lives on the GPU; the surface's life; the monitor's scale |
 //! | `controls`, `picking`, `redraw` | the fly camera, the crater under the cursor, when a frame is due: no window needed |
-//! | `settings`, `panel`, `overlay`, `toasts`, `log_pane`, `welcome` | what egui draws |
+//! | `settings`, `panel`, `overlay`, `toasts`, `log_pane`, `welcome`, `looks` | what egui draws |
 //! | `gamepad` | sticks; only with the feature of that name |
-//! | `settings`, `panel`, `overlay`, `toasts` | what egui draws |
 //! | `reading`, `profile`, `legend` | the land under the cursor and between two clicks; what its colours mean |
+//! | `stamp` | the legend in saved pictures, with or without a window |
 //! | `measure`, `tradeoff` | frame times and steps per ray; error against time of the techniques |
 //! | `errors` | what the viewer does with those of techniques |
 //! | `reference`, `cones` | the f64 reference of the error view, and cone maps, on threads of their own |
@@ -51,9 +51,10 @@ mod journey;
 mod keeping;
 mod key_names;
 mod keys;
-mod legend;
+pub(crate) mod legend;
 mod loading;
 mod log_pane;
+mod looks;
 mod measure;
 mod motion;
 mod orbit;
@@ -69,6 +70,7 @@ mod reference;
 mod scale;
 mod screenshot;
 mod settings;
+pub(crate) mod stamp;
 mod status;
 mod surface;
 mod toasts;

@@ -8,6 +8,7 @@ use egui::{
 
 use super::actions::{ACTIONS, FIXED};
 use super::keys::KeyMap;
+use super::legend::Against;
 use super::measure::{FRAMES, FrameTimes, Steps};
 use crate::render::{COVERS_SKY, ERROR_DECADES, Ledger, SEE_THROUGH, SKY_BOTH, heat_map_colour};
 use crate::scene::{Scene, Technique};
@@ -20,6 +21,9 @@ const ABOVE_LEGEND: f32 = 84.0;
 
 /// Distance of the compared techniques' names from the top, so that the statistics fit above them. Points.
 const BELOW_STATISTICS: f32 = 144.0;
+
+/// Room that the help needs for two columns, points.
+const TWO_COLUMNS: f32 = 1000.0;
 
 /// Widest a legend's scale is, points; a narrow window has less room.
 const WIDEST_SCALE: f32 = 440.0;
@@ -78,9 +82,8 @@ pub(crate) fn legend(ctx: &Context, free: Rect, maximum: u32) -> Rect {
     })
 }
 
-/// What the colours of the error view mean, and what the errors are against: `reference`, the one in f64, or the exact
-/// technique, while the reference is `awaited` or for good. Where the box is.
-pub(crate) fn error_legend(ctx: &Context, free: Rect, reference: bool, awaited: bool) -> Rect {
+/// What the colours of the error view mean, and what the errors are against. Where the box is.
+pub(crate) fn error_legend(ctx: &Context, free: Rect, Against { reference, awaited }: Against) -> Rect {
     boxed(ctx, "legend", (Align2::LEFT_BOTTOM, free.left_bottom() + vec2(MARGIN, -MARGIN)), |ui| {
         let against = match (reference, awaited) {
             (true, _) => "against the f64 reference",
@@ -236,20 +239,25 @@ pub(crate) fn hint(ctx: &Context, free: Rect, text: &str, working: bool) -> Rect
 pub(crate) fn help(ctx: &Context, free: Rect, keys: &KeyMap, open: &mut bool) {
     // Offered the whole screen at any time, it takes what its contents need: egui's own offer is 340 points wide, and
     // remembered when the screen grows. In a small one the rest is scrolled to.
-    let room = (ctx.content_rect().size() - vec2(40.0, 70.0)).max(Vec2::ZERO);
+    let screen = ctx.content_rect();
+    let room = (screen.size() - vec2(40.0, 70.0)).max(Vec2::ZERO);
     let window = egui::Window::new("Help").id(Id::unique("help")).open(open).collapsible(false).auto_sized();
     let window = window.min_size(room).max_size(room).pivot(Align2::CENTER_CENTER).default_pos(free.center());
-    window.show(ctx, |ui| {
+    // What is wider than the part beside the panel lies over the panel, too, and not at the screen's edge.
+    window.constrain_to(screen.shrink(MARGIN.min(0.25 * screen.size().min_elem()))).show(ctx, |ui| {
         ScrollArea::both().max_width(room.x).max_height(room.y).show(ui, |ui| {
             ui.style_mut().wrap_mode = Some(TextWrapMode::Extend);
             let chosen = ACTIONS.iter().map(|entry| (keys.shown(entry.action), entry.does));
             let mut rows: Vec<_> = chosen.chain(FIXED.map(|(input, does)| (input.to_owned(), does))).collect();
-            // Two columns of one height: so all of it fits the window of a first start.
-            let right = rows.split_off(rows.len().div_ceil(2));
+            // Two columns of one height, so that all of it fits the window of a first start; one where two are too wide.
+            let half = if room.x < TWO_COLUMNS { rows.len() } else { rows.len().div_ceil(2) };
+            let right = rows.split_off(half);
             ui.horizontal_top(|ui| {
                 bindings(ui, "left", rows);
-                ui.add_space(16.0);
-                bindings(ui, "right", right);
+                if !right.is_empty() {
+                    ui.add_space(16.0);
+                    bindings(ui, "right", right);
+                }
             });
         });
     });
@@ -345,7 +353,13 @@ mod tests {
     fn the_help_is_whole_where_there_is_room_and_scrolls_where_there_is_none() {
         let whole = help_in(&[[4000.0, 3000.0]]);
         assert!(whole.width() > 500.0 && whole.height() > 400.0, "{whole}");
-        assert_eq!(help_in(&[[1280.0, 800.0]]).size(), whole.size());
+        let usual = help_in(&[[1280.0, 800.0]]);
+        assert_eq!(usual.size(), whole.size());
+        let screen = Rect::from_min_size(Pos2::ZERO, vec2(1280.0, 800.0));
+        assert!(screen.shrink(9.0).contains_rect(usual), "not at the screen's edge: {usual}");
+        // One column where two have no room: nothing is to be scrolled to the side.
+        let narrow = help_in(&[[800.0, 500.0]]);
+        assert!(narrow.width() < 700.0 && narrow.height() < 500.0, "{narrow}");
         assert_eq!(help_in(&[[420.0, 300.0], [1280.0, 800.0]]).size(), whole.size(), "it follows a growing window");
         for screens in [&[[420.0, 300.0]][..], &[[1280.0, 800.0], [420.0, 300.0]]] {
             let small = help_in(screens);

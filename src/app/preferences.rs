@@ -91,7 +91,7 @@ impl Default for Interface {
             motion: Motion::default(),
             zoom: 1.0,
             panel: true,
-            overlay: true,
+            overlay: false,
             log: false,
             welcome: true,
         }

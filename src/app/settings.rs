@@ -73,7 +73,7 @@ impl Default for ViewSettings {
     fn default() -> Self {
         Self {
             panel: true,
-            overlay: true,
+            overlay: false,
             help: false,
             measure_steps: false,
             allow_below_ground: false,
@@ -251,6 +251,25 @@ pub(crate) struct Facts {
     pub(crate) adapter: (String, String),
     /// What the last frame cost.
     pub(crate) ledger: Ledger,
+    /// What is to be said about images.
+    pub(crate) images: ImageNotes,
+}
+
+/// What is to be said about the images of a scene, beside their paths.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct ImageNotes {
+    /// What is doubtful about the place of the picture on the ground.
+    pub(crate) doubts: Vec<String>,
+    /// The last image that could not be used, and why.
+    pub(crate) refused: Option<(PathBuf, String)>,
+}
+
+impl ImageNotes {
+    /// Why the image whose path is typed as `typed` could not be used.
+    pub(crate) fn refusal(&self, typed: &str) -> Option<&str> {
+        let (_, reason) = self.refused.as_ref().filter(|(path, _)| path == Path::new(typed.trim()))?;
+        Some(reason)
+    }
 }
 
 impl Facts {
@@ -269,6 +288,7 @@ impl Facts {
             max_texture: gpu.capabilities.max_texture,
             adapter: gpu.adapter_name(),
             ledger: Ledger::default(),
+            images: ImageNotes::default(),
         }
     }
 }

@@ -111,9 +111,21 @@ impl Toasts {
 }
 
 fn toast(message: &str, level: ToastLevel) -> Toast {
-    let mut toast = Toast::custom(wrap(message, LINE), level);
+    let mut toast = Toast::custom(wrap(&plain(message), LINE), level);
     toast.duration(None).closable(true).show_progress_bar(false);
     toast
+}
+
+/// The message with nothing in it that the interface's font cannot write: the frames that compilers draw around code.
+pub(crate) fn plain(message: &str) -> String {
+    let letter = |letter: char| match letter {
+        '\t' => ' ',
+        '│' | '┃' | '║' | '╎' | '┆' | '┊' => '|',
+        '─' | '━' | '═' | '╌' | '┄' | '┈' => '-',
+        '\u{2500}'..='\u{257f}' => '+',
+        letter => letter,
+    };
+    message.chars().map(letter).collect()
 }
 
 /// Breaks a message into lines of at most `width` characters, at spaces where there are any: the stack does not wrap.
@@ -164,6 +176,20 @@ mod tests {
         assert_eq!(wrapped.matches('x').count(), 150);
         assert!(wrapped.ends_with("\nsecond line"));
         assert_eq!(wrap("größer als 8192", 64), "größer als 8192");
+    }
+
+    /// The compiler's messages have no empty boxes in them: each letter is in the font that toasts are written in.
+    #[test]
+    fn a_compilers_message_has_letters_of_the_font() {
+        let message = "error: expected `;`\n  ┌─ sky.wgsl:3:1\n  │\n3 │ \tfn\n  │ ^^ here\n  ╰─ note → more … ═ ┃";
+        let (ctx, said) = (Context::default(), plain(message));
+        ctx.run_ui(egui::RawInput::default(), |_| ()).drop_without_applying_deltas();
+        let has = |text: &str| {
+            let font = egui::FontId::proportional(14.0);
+            ctx.fonts_mut(|fonts| text.lines().all(|line| fonts.has_glyphs(&font, line)))
+        };
+        assert!(has(&said) && !has(message), "{said}");
+        assert_eq!(said.lines().nth(3), Some("3 |  fn"));
     }
 
     #[test]

@@ -79,7 +79,8 @@ pub(crate) struct Cli {
     #[command(flatten)]
     pub(crate) view: ViewArgs,
     /// Say more on stderr: what is opened and how, adapters, shaders. RUST_LOG chooses in detail
-    #[arg(short, long, global = true)]
+    // Without a heading of its own it would stand below the last one of each command.
+    #[arg(short, long, global = true, help_heading = clap::builder::Resettable::Reset)]
     pub(crate) verbose: bool,
 }
 

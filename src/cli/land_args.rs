@@ -72,6 +72,9 @@ pub(crate) struct LandArgs {
     /// A picture put where its GeoTIFF tags or its world file say; the ground beside it keeps its colour
     #[arg(long, value_name = "IMAGE", value_parser = parse::input_file())]
     pub(crate) imagery: Option<PathBuf>,
+    /// Put a legend into saved pictures: what the ramp, the slopes, the contours or the heat map's colours stand for
+    #[arg(long)]
+    pub(crate) legend: bool,
     /// Heights as so many times their true proportion, 0.1 to 100 [default: the map's, else 1]
     #[arg(long, value_name = "TIMES", value_parser = exaggeration, conflicts_with = "height_scale")]
     pub(crate) exaggeration: Option<f64>,
@@ -100,6 +103,7 @@ impl LandArgs {
             Some(Contours::Auto) => (land.contours, land.contour_interval) = (true, None),
             None => {}
         }
+        scene.saved.legend |= self.legend;
         if self.imagery.is_some() {
             land.imagery.clone_from(&self.imagery);
         }

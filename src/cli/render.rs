@@ -14,6 +14,8 @@ use super::land_args;
 use super::output::Output;
 use super::progress::Progress;
 use super::terrain::{self, Source};
+use crate::app::legend::{self, Against};
+use crate::app::stamp::{Legend, Stamp};
 use crate::gpu::{Gpu, Target};
 use crate::heightfield::HeightField;
 use crate::render::{ERROR_DECADES, Ledger, Probe, RenderError, Renderer};
@@ -36,7 +38,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     terrain::place_camera(&args.scene, &mut scene, &map)?;
     terrain::warn_of(&scene, &map);
 
-    let legend = land_args::legend(&scene, &map);
+    let words = land_args::legend(&scene, &map);
     let (scene_view, heat_map_max) = (scene.debug.view, scene.debug.heat_map_max);
     let compare = &scene.compare;
     let sides = compare.enabled.then(|| (scene.march.technique.name(), compare.technique.name(), compare.share));
@@ -58,8 +60,8 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     if let Some((left, right, share)) = sides {
         eprintln!("relief: {left} left of {:.0} % of the width, {right} right of it", share * 100.0);
     }
-    if let Some(legend) = legend.filter(|_| scene_view == DebugView::None) {
-        eprintln!("relief: {legend}");
+    if let Some(words) = words.filter(|_| scene_view == DebugView::None) {
+        eprintln!("relief: {words}");
     }
     if scene_view == DebugView::Steps {
         eprintln!("relief: steps per ray: black is 0, pale yellow {heat_map_max} or more");
@@ -153,6 +155,9 @@ pub(super) struct Easel {
     gpu: Arc<Gpu>,
     renderer: Renderer,
     target: Target,
+    map: Arc<HeightField>,
+    /// Draws the legend, where the scene asks for one.
+    stamp: Option<Stamp>,
     pub(super) scene: Scene,
 }
 
@@ -160,11 +165,19 @@ impl Easel {
     pub(super) fn new(gpu: Arc<Gpu>, scene: Scene, map: HeightField, size: [u32; 2]) -> Result<Self, Failure> {
         let mut renderer = Renderer::new(Arc::clone(&gpu))?;
         let progress = Progress::start("preparing the terrain");
-        renderer.set_terrain(Arc::new(map))?;
+        let map = Arc::new(map);
+        renderer.set_terrain(Arc::clone(&map))?;
         renderer.prepare_cones(&scene, &|share| progress.set(share));
         drop(progress);
         let target = Target::new(&gpu, size);
-        Ok(Self { gpu, renderer, target, scene })
+        let stamp = (scene.saved.legend && legend::exists(&scene)).then(|| Stamp::new(&gpu));
+        if scene.saved.legend && stamp.is_none() {
+            super::warn(
+                "the picture gets no legend: nothing in it has one. Colour the ground by ramp, slope or aspect, draw \
+                 contours, or show steps or errors.",
+            );
+        }
+        Ok(Self { gpu, renderer, target, map, stamp, scene })
     }
 
     /// Draws one frame, untimed.
@@ -187,13 +200,21 @@ impl Easel {
         Ok(times)
     }
 
-    /// The picture.
-    pub(super) fn picture(&self) -> Result<image::RgbaImage, Failure> {
-        Ok(self.target.read_color(&self.gpu).map_err(RenderError::from)?)
+    /// The picture, with its legend where the scene asks for one.
+    pub(super) fn picture(&mut self) -> Result<image::RgbaImage, Failure> {
+        let read = match &mut self.stamp {
+            Some(stamp) => {
+                let (scene, map) = (&self.scene, &self.map);
+                let legend = Legend { scene, map, errors: Against::default(), pixels_per_point: None };
+                stamp.picture(&self.gpu, &self.target, &legend)
+            }
+            None => self.target.read_color(&self.gpu),
+        };
+        Ok(read.map_err(RenderError::from)?)
     }
 
     /// The picture as a PNG without time stamps: the same picture gives the same bytes.
-    fn png(&self) -> Result<Vec<u8>, Failure> {
+    fn png(&mut self) -> Result<Vec<u8>, Failure> {
         let picture = image::DynamicImage::ImageRgba8(self.picture()?).into_rgb8();
         let mut bytes = Vec::new();
         PngEncoder::new_with_quality(&mut bytes, CompressionType::Default, FilterType::Adaptive)

@@ -12,7 +12,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 pub(crate) use readback::map_and_wait;
 pub use readback::{ReadbackError, read_texture};
 pub use shaders::{ShaderError, ShaderSources};
-pub(crate) use target::sized_texture;
+pub(crate) use target::{COLOR_BYTES_FORMAT, sized_texture};
 pub use target::{COLOR_FORMAT, DEPTH_CLEAR, DEPTH_COMPARE, DEPTH_FORMAT, PROBE_FORMAT, Target};
 pub use timing::FrameTimer;
 

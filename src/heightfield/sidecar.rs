@@ -9,7 +9,7 @@ use super::import::{Georeference, ImportOptions, PixelIs, Taken, UnitText};
 use super::{HEIGHT_SCALES, HeightField};
 
 /// The tables of a scene file. A screenshot's scene has the stem of its picture, just as a sidecar would.
-const SCENE_TABLES: [&str; 17] = [
+const SCENE_TABLES: [&str; 18] = [
     "terrain",
     "camera",
     "march",
@@ -27,6 +27,7 @@ const SCENE_TABLES: [&str; 17] = [
     "clouds",
     "flare",
     "water",
+    "saved",
 ];
 
 /// What a height map shows: the file with the map's stem and the ending `.toml`. Every key may be left out.

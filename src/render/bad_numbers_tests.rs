@@ -23,8 +23,8 @@ use crate::scene::light::{Clock, Shadows, SkyModel};
 use crate::scene::{
     AirSettings, CloudLayer, CloudSettings, CloudSource, ColourSource, CompareSettings, CraterMode, CraterSettings,
     DebugSettings, DebugView, DetailSettings, DiffuseSettings, FlareSettings, GroundColour, HeightFilter, Hillshade,
-    LandSettings, LevelUnit, LightingSettings, MarchSettings, MaterialSettings, OccluderSettings, Ramp, Scene,
-    SkyboxSettings, Technique, TerrainSettings, Water,
+    LandSettings, LevelUnit, LightingSettings, MarchSettings, MaterialSettings, OccluderSettings, Ramp, SavedSettings,
+    Scene, SkyboxSettings, Technique, TerrainSettings, Water,
 };
 use crate::scene_file;
 
@@ -163,6 +163,7 @@ fn full_scene() -> Scene {
             moving: true,
             time: 3.0,
         },
+        saved: SavedSettings { legend: true },
     }
 }
 

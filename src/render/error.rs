@@ -8,7 +8,7 @@ use crate::gpu::{ReadbackError, ShaderError};
 #[derive(Debug, thiserror::Error)]
 pub enum RenderError {
     /// A shader did not compose or compile.
-    #[error("a shader does not compile\n  {0}\n  the last good one stays in use")]
+    #[error("a shader does not compile\n  {0}\n  correct it; a viewer that has drawn before keeps its last good one")]
     Shader(#[from] ShaderError),
     /// A number of the scene is outside its range.
     #[error("the scene cannot be drawn\n  {0}\n  correct the value")]

@@ -225,6 +225,8 @@ struct Placed {
     /// From cells along x and z, and 1, to the picture's u and v.
     u: DVec3,
     v: DVec3,
+    /// What is doubtful about its place.
+    doubts: Vec<String>,
 }
 
 impl Placed {
@@ -287,12 +289,12 @@ impl Land {
         entries.extend(self.placed.iter().map(|placed| TextureEntry::of("imagery", &placed.texture.texture)));
     }
 
-    /// Brings the textures up to date with what `key` needs; returns the bytes uploaded.
     /// Whether the picture of `file` is placed.
     pub(super) fn shows(&self, file: &Path) -> bool {
         self.placed.as_ref().is_some_and(|placed| placed.file == *file)
     }
 
+    /// Brings the textures up to date with what `key` needs; returns the bytes uploaded.
     fn prepare(
         &mut self,
         gpu: &Gpu,
@@ -328,6 +330,11 @@ impl Land {
 }
 
 impl Renderer {
+    /// What is doubtful about the place of the picture that lies on the ground: each a part of a sentence about it.
+    pub fn imagery_doubts(&self) -> &[String] {
+        self.land.placed.as_ref().map_or(&[], |placed| &placed.doubts)
+    }
+
     /// Brings what the land's shader reads up to date with `scene`.
     pub(super) fn prepare_land(&mut self, key: LandKey, land: &LandSettings, extent: DVec3) -> Result<(), RenderError> {
         let Some(ground) = &self.ground else { return Ok(()) };
@@ -343,18 +350,18 @@ impl Renderer {
 /// Puts the picture of `file` where it belongs on the map.
 fn place(gpu: &Gpu, file: &Path, picture: &Decoded, map: &HeightField) -> Result<(Placed, u64), String> {
     let Decoded { image, levels } = picture;
-    let [u, v] = transform(file, image, map)?;
-    let (texture, bytes) = upload(gpu, "imagery", image, levels);
-    Ok((Placed { file: file.to_owned(), texture, u, v }, bytes))
-}
-
-/// From cells along x and z, and 1, to the picture's u and to its v.
-fn transform(file: &Path, image: &Image, map: &HeightField) -> Result<[DVec3; 2], String> {
     let mut doubts = Vec::new();
-    let place = imagery::place(file, [image.width, image.height], &mut doubts)?;
-    for doubt in doubts {
+    let [u, v] = transform(file, image, map, &mut doubts)?;
+    for doubt in &doubts {
         log::warn!("{}: {doubt}", file.display());
     }
+    let (texture, bytes) = upload(gpu, "imagery", image, levels);
+    Ok((Placed { file: file.to_owned(), texture, u, v, doubts }, bytes))
+}
+
+/// From cells along x and z, and 1, to the picture's u and to its v. What is doubtful about its place is told.
+fn transform(file: &Path, image: &Image, map: &HeightField, doubts: &mut Vec<String>) -> Result<[DVec3; 2], String> {
+    let place = imagery::place(file, [image.width, image.height], doubts)?;
     let Some(ground) = map.georeference() else {
         return Err(
             "it says where it lies, but the map does not; give the map's sidecar crs, origin and step, or drape the \
@@ -384,7 +391,24 @@ fn transform(file: &Path, image: &Image, map: &HeightField) -> Result<[DVec3; 2]
     if !(u.is_finite() && v.is_finite()) || beside(u) || beside(v) {
         return Err("it lies beside the map and would not show; check which of the two is placed wrongly".to_owned());
     }
+    doubts.extend(part_covered([u, v], [columns, rows]));
     Ok([u, v])
+}
+
+/// What to say of a picture that covers a part of the map only.
+fn part_covered([u, v]: [DVec3; 2], [columns, rows]: [f64; 2]) -> Option<String> {
+    const PLACES: u32 = 64;
+    let share = |index: u32| (f64::from(index) + 0.5) / f64::from(PLACES);
+    let inside = |axis: DVec3, at: DVec3| (0.0..=1.0).contains(&axis.dot(at));
+    let places = (0..PLACES).flat_map(|row| (0..PLACES).map(move |column| (column, row)));
+    let at = |(column, row): (u32, u32)| DVec3::new(share(column) * columns, share(row) * rows, 1.0);
+    let covered = places.filter(|&place| inside(u, at(place)) && inside(v, at(place))).count();
+    let percent = 100.0 * covered as f64 / f64::from(PLACES * PLACES);
+    if percent > 99.5 {
+        return None;
+    }
+    let how_much = if percent < 1.0 { "less than 1 %".to_owned() } else { format!("about {percent:.0} %") };
+    Some(format!("it covers {how_much} of the map; the ground beside it keeps its colour"))
 }
 
 /// A texture of an image and its smaller copies, and its bytes.

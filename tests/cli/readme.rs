@@ -53,3 +53,15 @@ fn the_presets_are_scenes_that_the_readme_lists() {
         assert!(readme.contains(&format!("`{name}`")), "{name} is missing in the README");
     }
 }
+
+/// Text and code are no wider than a page of code, but for the rows of tables, which cannot be broken.
+#[test]
+fn no_line_of_the_documentation_is_too_long() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    for name in ["README.md", "src/guide/formats.md", "src/guide/technique.md", "src/guide/tour.md"] {
+        for (line, number) in fs::read_to_string(root.join(name)).unwrap().lines().zip(1..) {
+            let length = line.chars().count();
+            assert!(length <= 128 || line.starts_with('|'), "{name}:{number} has {length} characters");
+        }
+    }
+}

@@ -133,3 +133,31 @@ fn without_a_display_the_viewer_draws_its_start_view() {
     bench.relief("view --size 64x40 -o other.png").expect(0, &["other.png"]);
     assert!(bench.path("other.png").exists());
 }
+
+/// A legend in its corner and nothing else; none without the switch, and none where nothing has one.
+#[test]
+fn a_legend_stands_in_the_corner_of_a_saved_picture() {
+    let bench = Bench::new();
+    let line = "--ramp batlow --contours --size 400x300 --no-skybox";
+    let colours = |name: &str| image::open(bench.path(name)).unwrap().to_rgb8();
+    bench.relief(&format!("render -o plain.png {line}")).expect(0, &[]);
+    bench.relief(&format!("render -o legend.png {line} --legend")).expect(0, &[]);
+    let (plain, legend) = (colours("plain.png"), colours("legend.png"));
+    let changed: Vec<_> = legend.enumerate_pixels().filter(|(x, y, pixel)| plain.get_pixel(*x, *y) != *pixel).collect();
+    assert!(changed.len() > 8000, "a box of that many pixels: {}", changed.len());
+    assert!(changed.iter().all(|(_, y, _)| *y > 190), "it is low");
+    // The bar has the ramp's own colours, from its first to its last.
+    for end in [relief::scene::Ramp::Batlow.colour(0.0), relief::scene::Ramp::Batlow.colour(1.0)] {
+        let near = |pixel: &image::Rgb<u8>| pixel.0.iter().zip(end).all(|(a, b)| a.abs_diff(b) < 6);
+        assert!(changed.iter().filter(|(_, _, pixel)| near(pixel)).count() >= 8, "{end:?} is not there");
+    }
+    // A scene that asks for it gets it as well, and the heat map has one of its own.
+    bench.write("scene.toml", "[saved]\nlegend = true\n");
+    bench.relief(&format!("render -o scene.png {line} --scene scene.toml")).expect(0, &[]);
+    assert!(colours("scene.png") == legend, "by the scene or by the switch");
+    bench.relief("render -o steps.png --size 400x300 --debug steps --scene scene.toml").expect(0, &[]);
+    bench.relief("render -o bare.png --size 400x300 --debug steps").expect(0, &[]);
+    let differ = colours("steps.png").pixels().zip(colours("bare.png").pixels()).filter(|(a, b)| a != b).count();
+    assert!(differ > 5000, "{differ}");
+    bench.relief("render -o none.png --size 64x48 --legend").expect(0, &["no legend"]);
+}

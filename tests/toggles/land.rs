@@ -249,6 +249,8 @@ fn a_picture_lies_where_its_world_file_says() {
     let mut renderer = renderer(&map);
     let (before, after) = (picture(&mut renderer, &base), picture(&mut renderer, &scene));
     assert!(renderer.ledger().textures.iter().any(|texture| texture.name == "imagery"));
+    let doubts = renderer.imagery_doubts();
+    assert!(doubts.len() == 1 && doubts[0].contains("covers about 25 % of the map"), "{doubts:?}");
     let side = 64.0 * step / (511.0 * 60.0);
     let (mut inside, mut beside) = (0, 0);
     for (x, y, [u, v]) in ground(&map, &base) {
@@ -271,6 +273,7 @@ fn a_picture_lies_where_its_world_file_says() {
     scene.land.imagery_opacity = 0.0;
     assert_eq!(picture(&mut renderer, &scene), before, "nothing of it");
     assert!(renderer.ledger().textures.iter().all(|texture| texture.name != "imagery"));
+    assert!(renderer.imagery_doubts().is_empty(), "nothing to doubt in a picture that does not show");
 }
 
 #[test]

@@ -26,7 +26,8 @@ const PATIENCE: Duration = Duration::from_secs(120);
 const POLL: Duration = Duration::from_millis(15);
 
 /// The settings that a viewer opens with.
-const SETTINGS: &str = "version = 1\n[interface]\nwelcome = false\nmotion = \"full\"\ntheme = \"dark\"\n";
+const SETTINGS: &str = "version = 1\n[interface]\nwelcome = false\nmotion = \"full\"\ntheme = \"dark\"\n\
+                        overlay = true\n";
 
 /// Viewers at a time: while one waits for a key or a timer, another one draws.
 const VIEWERS: usize = 2;

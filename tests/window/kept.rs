@@ -9,6 +9,7 @@ fn settings_keys_bookmarks_and_the_window_are_kept() {
     let mut window = Window::open_with("--size 760x560", &settings);
     let first = window.settled("the words of a first start", |status| widget(status, "Start").is_some());
     assert_eq!((&first["log"], &first["zoom"]), (&false.into(), &1.0.into()));
+    assert_eq!(first["overlay"], false, "no figures over the first picture");
     window.key("Escape");
     window.settled("no words", |status| widget(status, "Start").is_none());
     window.section("Terrain", false);
@@ -21,7 +22,7 @@ fn settings_keys_bookmarks_and_the_window_are_kept() {
     keys(&mut window);
     window.key("F3");
     window.key("ctrl+equal");
-    window.settled("larger", |status| status["zoom"].as_f64() > Some(1.05) && status["overlay"] == false);
+    window.settled("larger", |status| status["zoom"].as_f64() > Some(1.05) && status["overlay"] == true);
     window.key("F4");
     window.settled("the log", |status| status["log"] == true && widget(status, "Copy log").is_some());
     window.key("ctrl+3");
@@ -31,7 +32,7 @@ fn settings_keys_bookmarks_and_the_window_are_kept() {
     let mut again = Window::open_with("--view down", &settings);
     let kept = again.settled("the same", |status| status["zoom"].as_f64() > Some(1.05));
     assert_ne!(kept["size"], serde_json::json!([760, 560]), "a size that was asked for is for one run");
-    assert!(kept["dark"] == false && kept["overlay"] == false && kept["log"] == true, "{kept:#}");
+    assert!(kept["dark"] == false && kept["overlay"] == true && kept["log"] == true, "{kept:#}");
     assert!(widget(&kept, "Start").is_none(), "the first words are for the first start");
     again.key("3");
     again.settled("the bookmark", |status| camera(status) == marked);

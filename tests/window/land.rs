@@ -5,7 +5,7 @@ use relief::heightfield::reference::Surface;
 use relief::heightfield::survey::Survey;
 use serde_json::Value;
 
-use crate::harness::{Window, camera, canyon, has, list, number, told, widget};
+use crate::harness::{Window, camera, canyon, differing, has, list, number, told, widget};
 
 /// Shares of the canyon under a pixel, by the f64 reference.
 fn shares(status: &Value, pixel: DVec2) -> [f64; 2] {
@@ -104,4 +104,17 @@ fn exaggerated(window: &mut Window) {
     window.click("ramp");
     let ramp = window.settled("a ramp", |status| has(&status["ledger"]["shader_defs"], "LAND_RAMP"));
     assert!(!list(&ramp["ledger"]["textures"]).iter().any(|texture| texture["name"] == "diffuse"));
+    let (_, plain) = window.shot();
+    window.section("Land", false);
+    window.section("Frame", true);
+    window.click("Legend in pictures");
+    window.settled("legends", |status| status["scene"]["saved"]["legend"] == true);
+    let (path, legend) = window.shot();
+    let size = plain.dimensions();
+    let corner = |picture: &image::RgbaImage| image::imageops::crop_imm(picture, 0, size.1 - 100, 400, 100).to_image();
+    let changed = differing(&plain, &legend, 0);
+    assert!(changed > 5000, "{changed}");
+    assert_eq!(changed, differing(&corner(&plain), &corner(&legend), 0), "all of it in the corner");
+    let scene = relief::scene_file::read(&path.with_extension("toml")).unwrap();
+    assert!(scene.saved.legend, "its scene makes it again");
 }

@@ -232,6 +232,7 @@ const FRAME: &[Row] = &[
     ("Frame limit value", Number("60"), "", Nothing),
     ("Show overlay", Click, "/overlay", Nothing),
     ("Measure steps", Click, "/steps", Nothing),
+    ("Legend in pictures", Click, "/scene/saved/legend", Nothing),
 ];
 
 /// Sections, their rows, what their reset button is called, and the part of the scene it restores.
@@ -248,7 +249,7 @@ const SECTIONS: [(&str, &[Row], &str, &str); 13] = [
     ("Occluder", OCCLUDER, "Reset occluder", "/occluder"),
     ("Craters", CRATERS, "Reset craters", "/craters"),
     ("Debug", DEBUG, "Reset debug", "/debug"),
-    ("Frame", FRAME, "Reset frame", ""),
+    ("Frame", FRAME, "Reset frame", "/saved"),
 ];
 
 /// Widgets that are used outside the table, and where.

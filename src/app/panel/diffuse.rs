@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use egui::Ui;
 
 use super::Panel;
-use super::widgets::{Number, button_unless, fact, section, text, toggle};
+use super::widgets::{Number, button_unless, doubt, fact, section, text, toggle};
 use crate::scene::DiffuseSettings;
 
 pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
@@ -23,6 +23,9 @@ pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
         fact(ui, "Texture", shown);
         let tooltip = "An image (PNG, JPEG, WebP) to drape over the terrain, north up. Costs its size on the GPU.";
         let entered = text(ui, path, "Diffuse image", "path of an image", tooltip);
+        if let Some(reason) = panel.facts.images.refusal(path) {
+            doubt(ui, &format!("This image is not shown: {reason}."));
+        }
         ui.horizontal(|ui| {
             let empty = path.trim().is_empty().then_some("no path is given");
             if button_unless(ui, "Apply diffuse image", "Drapes the image named above.", empty)

@@ -5,12 +5,14 @@ use egui::Ui;
 use super::Panel;
 use super::widgets::{Number, button, section, toggle};
 use crate::app::settings::{Command, ViewSettings};
+use crate::scene::SavedSettings;
 
 pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
-    let reset = "Vsync on, no frame limit, overlay on, steps not measured.";
+    let reset = "Vsync on, no frame limit, overlay off, steps not measured, pictures without legends.";
     section(ui, "Frame", false, Some(reset), |ui, reset| {
-        let Panel { view, commands, .. } = panel;
+        let Panel { scene, view, commands, .. } = panel;
         if reset {
+            scene.saved = SavedSettings::default();
             let ViewSettings { vsync, frame_limit, overlay, measure_steps, .. } = ViewSettings::default();
             **view = ViewSettings { vsync, frame_limit, overlay, measure_steps, ..view.clone() };
         }
@@ -25,6 +27,9 @@ pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
                        twice a second.";
         toggle(ui, &mut view.measure_steps, "Measure steps", tooltip);
         toggle(ui, &mut view.help, "Show help", "Shows the keys (F1). Free.");
+        let tooltip =
+            "Puts the legend into screenshots and animations, where the colours or lines have one. Free per frame.";
+        toggle(ui, &mut scene.saved.legend, "Legend in pictures", tooltip);
         ui.horizontal(|ui| {
             let tooltip = "Writes the picture as PNG, and the scene beside it as TOML (F12).";
             if button(ui, "Take screenshot", tooltip) {

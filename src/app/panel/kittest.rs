@@ -273,3 +273,34 @@ fn a_target_that_is_typed_is_looked_at_and_stays_what_was_typed() {
     let wanted = (glam::DVec3::new(0.9, 0.6, 0.1) - camera.eye).normalize();
     assert!(camera.basis().forward.distance(wanted) < 1e-6, "{camera:?}");
 }
+
+/// What the command line says of a picture is said beside its path, too: why one is not shown, and what is doubtful about the
+/// one that is.
+#[test]
+fn doubts_about_images_stand_beside_their_paths() {
+    let section = |name: &str| *SECTIONS.iter().find(|section| section.0 == name).unwrap();
+    let says = |section: Section, words: &str, change: fn(&mut State)| {
+        harness_in(section, change).query_by_label_contains(words).is_some()
+    };
+    let refuse: fn(&mut State) = |state| {
+        state.view.paths.imagery = " photo.tif ".into();
+        state.view.paths.diffuse = "photo.tif".into();
+        state.facts.images.refused = Some(("photo.tif".into(), "its reference system is not the map's".into()));
+    };
+    let other: fn(&mut State) = |state| {
+        state.view.paths.imagery = "another.tif".into();
+        state.view.paths.diffuse = "another.tif".into();
+        state.facts.images.refused = Some(("photo.tif".into(), "its reference system is not the map's".into()));
+    };
+    for name in ["Land", "Diffuse"] {
+        assert!(says(section(name), "its reference system is not the map's", refuse), "{name}");
+        assert!(!says(section(name), "its reference system is not the map's", other), "{name} says it of another one");
+    }
+    let doubt: fn(&mut State) = |state| {
+        state.scene.land.imagery = Some("photo.tif".into());
+        state.facts.images.doubts = vec!["it covers about 30 % of the map".into()];
+    };
+    let removed: fn(&mut State) = |state| state.facts.images.doubts = vec!["it covers about 30 % of the map".into()];
+    assert!(says(section("Land"), "it covers about 30 % of the map", doubt));
+    assert!(!says(section("Land"), "it covers about 30 % of the map", removed));
+}

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use egui::Ui;
 
 use super::Panel;
-use super::widgets::{Choice, Number, button_unless, choose, fact, section, text, toggle};
+use super::widgets::{Choice, Number, button_unless, choose, doubt, fact, section, text, toggle};
 use crate::app::settings::{Command, Facts};
 use crate::scene::land::{LandScale, number};
 use crate::scene::{GroundColour, Hillshade, LandSettings, Ramp};
@@ -150,6 +150,14 @@ fn imagery(ui: &mut Ui, land: &mut LandSettings, path: &mut String, facts: &Fact
     let tooltip = "A picture (GeoTIFF, or PNG, JPEG, WebP with a world file) that is put where it lies. Beside it the ground \
                    keeps its colour. Costs its size on the GPU and a read per pixel.";
     let entered = text(ui, path, "Imagery file", "path of a georeferenced picture", tooltip);
+    if let Some(reason) = facts.images.refusal(path) {
+        doubt(ui, &format!("This picture is not shown: {reason}."));
+    }
+    if land.imagery.is_some() {
+        for words in &facts.images.doubts {
+            doubt(ui, &format!("About the picture's place: {words}."));
+        }
+    }
     let unplaced = facts.map.georeference().is_none().then_some("the map does not say where it lies");
     let reason = unplaced.or(path.trim().is_empty().then_some("no path is given"));
     ui.horizontal(|ui| {

@@ -127,6 +127,7 @@ mod tests {
             max_texture: 8192,
             adapter: ("adapter".into(), "driver".into()),
             ledger: Default::default(),
+            images: Default::default(),
         }
     }
 

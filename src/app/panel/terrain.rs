@@ -21,7 +21,8 @@ pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
         }
         fact(ui, "Map", facts.title.as_str());
         fact(ui, "Samples", format!("{} × {}", facts.samples[0], facts.samples[1]));
-        fact(ui, "Heights", format!("{:.1} to {:.1}", facts.range[0], facts.range[1]));
+        let unit = if facts.map.has_metres() { " m" } else { "" };
+        fact(ui, "Heights", format!("{:.1} to {:.1}{unit}", facts.range[0], facts.range[1]));
         if let Some([east, south]) = facts.extent_metres {
             fact(ui, "Extent", format!("{:.2} × {:.2} km", east / 1000.0, south / 1000.0));
         }

@@ -23,6 +23,11 @@ pub(super) fn toggle(ui: &mut Ui, on: &mut bool, name: &str, tooltip: &str) -> b
     ui.checkbox(on, name).on_hover_text(tooltip).changed()
 }
 
+/// What is wrong with what stands above it, or doubtful about it. Told by a sign and not by a colour alone.
+pub(super) fn doubt(ui: &mut Ui, words: &str) {
+    ui.label(format!("⚠ {words}"));
+}
+
 /// A button; true when it was pressed.
 pub(super) fn button(ui: &mut Ui, name: &str, tooltip: &str) -> bool {
     ui.button(name).on_hover_text(tooltip).clicked()
