@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
+use super::cones::CallOnDrop;
 use super::files::maps::Source;
 use crate::heightfield::gallery::{self, GalleryError};
 use crate::heightfield::generate::Recipe;
@@ -159,16 +160,6 @@ impl Loader {
 impl Drop for Job {
     fn drop(&mut self) {
         self.cancel.store(true, Ordering::Relaxed);
-    }
-}
-
-struct CallOnDrop<F: FnOnce()>(Option<F>);
-
-impl<F: FnOnce()> Drop for CallOnDrop<F> {
-    fn drop(&mut self) {
-        if let Some(call) = self.0.take() {
-            call();
-        }
     }
 }
 

@@ -55,11 +55,9 @@ fn varyings(module: &naga::Module) -> u32 {
     fragment.flat_map(|entry| &entry.function.arguments).map(of_argument).sum::<usize>() as u32
 }
 
-/// No more is asked of an adapter than some pipeline uses; WebGPU promises 16 textures and samplers and so many varyings
-/// anyway.
+/// No more storage buffers are asked of an adapter than some pipeline uses; of all else, no more than every adapter has.
 pub(super) fn assert_all_is_needed() {
     let most = MOST.each_ref().map(|most| most.load(Ordering::Relaxed));
     println!("at most: {}", NAMES.iter().zip(most).map(|(name, most)| format!("{most} {name}, ")).collect::<String>());
-    let [_, _, storage, uniforms, _] = allowed();
-    assert_eq!([most[2], most[3]], [storage, uniforms]);
+    assert_eq!(most[2], allowed()[2]);
 }
