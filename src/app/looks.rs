@@ -88,7 +88,11 @@ mod tests {
         let mut rings = |focused: Option<usize>| {
             let output = ctx.run_ui(egui::RawInput::default(), |ui| {
                 let header = ui.collapsing("section", |_| ()).header_response;
-                let controls = [header, ui.add(egui::Slider::new(&mut value, 0.0..=1.0)), ui.checkbox(&mut on, "box")];
+                let controls = [
+                    header,
+                    ui.add(egui::Slider::new(&mut value, 0.0..=1.0).show_value(false)),
+                    ui.checkbox(&mut on, "box"),
+                ];
                 match focused {
                     Some(index) => controls[index].request_focus(),
                     None => ui.memory_mut(|memory| memory.stop_text_input()),
