@@ -9,10 +9,12 @@ pub(crate) fn legible(ctx: &Context) {
         ctx.style_mut_of(theme, |style| {
             style.visuals.widgets.noninteractive.fg_stroke.color = Color32::from_gray(text);
             style.visuals.weak_text_color = Some(Color32::from_gray(weak));
-            if theme == Theme::Light {
-                style.visuals.warn_fg_color = Color32::from_rgb(160, 75, 0);
-                style.visuals.error_fg_color = Color32::from_rgb(200, 0, 0);
-            }
+            let [warning, error] = match theme {
+                Theme::Dark => [[255, 143, 0], [255, 100, 90]],
+                Theme::Light => [[160, 75, 0], [200, 0, 0]],
+            };
+            style.visuals.warn_fg_color = Color32::from_rgb(warning[0], warning[1], warning[2]);
+            style.visuals.error_fg_color = Color32::from_rgb(error[0], error[1], error[2]);
         });
     }
 }
