@@ -10,7 +10,7 @@ use super::settings::Command;
 use super::status::widgets;
 use super::viewer::Viewer;
 use super::visible::visible_part;
-use super::{AppError, controls, legend, overlay, panel, welcome};
+use super::{AppError, controls, legend, looks, overlay, panel, welcome};
 use crate::heightfield::HeightField;
 use crate::render::RenderError;
 use crate::scene::Scene;
@@ -257,6 +257,7 @@ impl Viewer {
         let names = [drawable.march.technique, drawable.compare.technique];
         overlay::split(ui, &self.scene, names, self.pointer.splitting, &boxes);
         self.toasts.show(&ctx, now);
+        looks::focus_ring(&ctx);
     }
 
     /// The line at the bottom of the picture, where there is something to say.

@@ -52,7 +52,8 @@ fn land_legend(ctx: &Context, free: Rect, land: &LandSettings, map: &HeightField
             GroundColour::Texture => {}
             GroundColour::Ramp => {
                 ui.label(format!("Height{}, {}", if scale.metric { " in metres" } else { "" }, land.ramp.name()));
-                bar(ui, width, |share| land.ramp.colour(share));
+                let [first, last] = shown_part(&scale);
+                bar(ui, width, |share| land.ramp.colour((first + f64::from(share) * (last - first)) as f32));
                 let marks = height_marks(&scale);
                 numbers(ui, width, &marks);
             }
@@ -78,7 +79,16 @@ fn land_legend(ctx: &Context, free: Rect, land: &LandSettings, map: &HeightField
     })
 }
 
-/// Shares of a ramp and the heights there: the ends and the middle first, then round ones as far as there is room.
+/// The part of a ramp that heights have, as shares of it: where all land lies above the sea, none has the sea's half.
+fn shown_part(scale: &LandScale) -> [f64; 2] {
+    match (scale.low < scale.middle, scale.middle < scale.high) {
+        (true, false) => [0.0, 0.5],
+        (false, _) => [0.5, 1.0],
+        (true, true) => [0.0, 1.0],
+    }
+}
+
+/// Shares of the bar and the heights there: the ends and the middle first, then round ones as far as there is room.
 fn height_marks(scale: &LandScale) -> Vec<(f64, String)> {
     let mut marks = vec![(0.0, number(rounded(scale.low, scale))), (1.0, number(rounded(scale.high, scale)))];
     let breaks = scale.low < scale.middle && scale.middle < scale.high;
@@ -88,7 +98,9 @@ fn height_marks(scale: &LandScale) -> Vec<(f64, String)> {
     let step = round_interval((scale.high - scale.low) / 10.0);
     let first = (scale.low / step).ceil();
     let round = (0..16).map(|index| (first + f64::from(index)) * step);
-    marks.extend(round.filter(|at| *at > scale.low && *at < scale.high).map(|at| (scale.share(at), number(at))));
+    let [from, to] = shown_part(scale);
+    let place = |at: f64| (scale.share(at) - from) / (to - from);
+    marks.extend(round.filter(|at| *at > scale.low && *at < scale.high).map(|at| (place(at), number(at))));
     marks
 }
 
@@ -145,6 +157,12 @@ mod tests {
         let named = |text: &str| marks.iter().find(|(_, name)| name == text).map(|(share, _)| *share);
         assert_eq!((named("-4801"), named("1713"), named("0")), (Some(0.0), Some(1.0), Some(0.5)));
         assert!((named("-2000").unwrap() - 0.5 * (1.0 - 2000.0 / 4800.6)).abs() < 1e-9, "{marks:?}");
+        // Nothing lies below the sea: the bar has the land's colours alone, and heights where those are.
+        let land = HeightField::from_raw(2, 2, &[500.0f64, 1500.0, 500.0, 500.0]).unwrap().with_metres(true);
+        let scale = LandSettings::default().scale(&land);
+        assert_eq!(shown_part(&scale), [0.5, 1.0]);
+        let middle = height_marks(&scale).into_iter().find(|(_, name)| name == "1000").unwrap();
+        assert!((middle.0 - 0.5).abs() < 1e-9, "{middle:?}");
         let flat = HeightField::from_raw(2, 2, &[7.0f64; 4]).unwrap();
         assert_eq!(height_marks(&LandSettings::default().scale(&flat)).len(), 2);
     }

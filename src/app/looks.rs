@@ -1,6 +1,6 @@
-//! Colours of the interface where egui's own are too faint to read.
+//! What egui's own looks leave too faint: text, and where the keyboard is.
 
-use egui::{Color32, Context, Theme};
+use egui::{Color32, Context, Stroke, StrokeKind, Theme};
 
 /// Gives text the contrast to what lies behind it that WCAG 2.2 asks for (1.4.3: 4.5 to 1), in both themes.
 pub(crate) fn legible(ctx: &Context) {
@@ -9,7 +9,26 @@ pub(crate) fn legible(ctx: &Context) {
         ctx.style_mut_of(theme, |style| {
             style.visuals.widgets.noninteractive.fg_stroke.color = Color32::from_gray(text);
             style.visuals.weak_text_color = Some(Color32::from_gray(weak));
+            let [warning, error] = match theme {
+                Theme::Dark => [[255, 143, 0], [255, 100, 90]],
+                Theme::Light => [[160, 75, 0], [200, 0, 0]],
+            };
+            style.visuals.warn_fg_color = Color32::from_rgb(warning[0], warning[1], warning[2]);
+            style.visuals.error_fg_color = Color32::from_rgb(error[0], error[1], error[2]);
         });
+    }
+}
+
+/// Draws a line around the control that has the keyboard: a header's brighter text, or a slider's thicker handle, is easily
+/// missed. To be called once all is drawn.
+pub(crate) fn focus_ring(ctx: &Context) {
+    let focused = ctx.memory(|memory| memory.focused());
+    let Some(response) = focused.and_then(|id| ctx.read_response(id)) else { return };
+    // What is scrolled out of view has none.
+    if response.interact_rect.is_positive() {
+        let stroke = Stroke::new(1.5, ctx.global_style().visuals.selection.stroke.color);
+        let around = response.interact_rect.expand(1.0);
+        ctx.layer_painter(response.layer_id).rect_stroke(around, 3.0, stroke, StrokeKind::Outside);
     }
 }
 
@@ -43,7 +62,13 @@ mod tests {
                 visuals.extreme_bg_color,
                 visuals.panel_fill.blend(visuals.faint_bg_color),
             ];
-            let texts = [visuals.text_color(), visuals.weak_text_color(), visuals.strong_text_color()];
+            let texts = [
+                visuals.text_color(),
+                visuals.weak_text_color(),
+                visuals.strong_text_color(),
+                visuals.warn_fg_color,
+                visuals.error_fg_color,
+            ];
             for (ground, text) in grounds.iter().flat_map(|ground| texts.map(|text| (*ground, text))) {
                 let found = contrast(ground.blend(Color32::TRANSPARENT), text);
                 assert!(found >= 4.5, "{theme:?}: {text:?} on {ground:?} has {found:.2}");
@@ -54,6 +79,43 @@ mod tests {
                 let found = contrast(state.weak_bg_fill, state.fg_stroke.color);
                 assert!(found >= 4.5, "{theme:?}: a button has {found:.2}");
             }
+        }
+    }
+
+    /// Someone without a mouse sees where the keyboard is: at a header, a slider and a check box.
+    #[test]
+    fn the_control_with_the_keyboard_has_a_line_around_it() {
+        let ctx = Context::default();
+        let (mut value, mut on, mut rects) = (0.5, false, Vec::new());
+        let mut rings = |focused: Option<usize>| {
+            let output = ctx.run_ui(egui::RawInput::default(), |ui| {
+                let header = ui.collapsing("section", |_| ()).header_response;
+                let controls = [
+                    header,
+                    ui.add(egui::Slider::new(&mut value, 0.0..=1.0).show_value(false)),
+                    ui.checkbox(&mut on, "box"),
+                ];
+                match focused {
+                    Some(index) => controls[index].request_focus(),
+                    None => ui.memory_mut(|memory| memory.stop_text_input()),
+                }
+                rects = controls.iter().map(|control| control.interact_rect).collect();
+                focus_ring(ui.ctx());
+            });
+            let colour = ctx.global_style().visuals.selection.stroke.color;
+            let ring = |shape: &egui::epaint::ClippedShape| match &shape.shape {
+                egui::Shape::Rect(rect) if rect.stroke.color == colour && rect.stroke.width == 1.5 => Some(rect.rect),
+                _ => None,
+            };
+            let found: Vec<_> = output.shapes.iter().filter_map(ring).collect();
+            output.drop_without_applying_deltas();
+            (found, rects.clone())
+        };
+        assert!(rings(None).0.is_empty());
+        for index in 0..3 {
+            rings(Some(index));
+            let (found, rects) = rings(Some(index));
+            assert_eq!(found, [rects[index].expand(1.0)], "control {index}");
         }
     }
 }

@@ -5,14 +5,14 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use egui::{Align2, Context, Id, Rect, Sense, vec2};
-use egui_plot::{Line, Plot, PlotPoints};
+use egui_plot::{AxisHints, GridInput, Line, Plot, PlotPoints, uniform_grid_spacer};
 
 use super::settings::Command;
 use super::viewer::Viewer;
 use crate::files;
 use crate::heightfield::HeightField;
 use crate::heightfield::survey::Profile;
-use crate::scene::land::number;
+use crate::scene::land::{number, round_interval};
 
 /// Size of the plot, points.
 const SIZE: [f32; 2] = [380.0, 150.0];
@@ -22,6 +22,12 @@ const LAST_NUMBER: u32 = 9999;
 
 /// Most points of the plot's line: more than it has pixels across.
 const MOST_POINTS: usize = 2000;
+
+/// Numbers on an axis of the plot, about.
+const MOST_STEPS: f64 = 4.0;
+
+/// Distance from one of them to the next at which it is drawn, and drawn whole. Points.
+const LABELS: egui::Rangef = egui::Rangef { min: 16.0, max: 17.0 };
 
 /// What the profile's window asks for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -122,14 +128,24 @@ fn plot(ui: &mut egui::Ui, profile: &Profile, map: &HeightField) {
     let heights = if map.has_metres() { " m" } else { "" };
     let plot = Plot::new("profile").width(SIZE[0]).height(SIZE[1]).sense(Sense::hover());
     let plot = plot.allow_drag(false).allow_zoom(false).allow_scroll(false).allow_boxed_zoom(false);
-    let plot = plot
-        .x_axis_label(format!("distance, {unit}"))
-        .y_axis_label(format!("height{}", if heights.is_empty() { "" } else { ", m" }));
+    // A few round numbers on either axis: egui_plot's own lie too close together in so small a plot, and are left out.
+    let round = |input: GridInput| {
+        let step = round_interval((input.bounds.1 - input.bounds.0) / MOST_STEPS);
+        [step, 10.0 * step, 100.0 * step]
+    };
+    let plot = plot.x_grid_spacer(uniform_grid_spacer(round)).y_grid_spacer(uniform_grid_spacer(round));
+    let height = if heights.is_empty() { "height" } else { "height, m" };
+    let axes = [AxisHints::new_x().label(format!("distance, {unit}")), AxisHints::new_y().label(height)];
+    let [x, y] = axes.map(|axis| axis.label_spacing(LABELS));
+    let plot = plot.custom_x_axes(vec![x]).custom_y_axes(vec![y]);
+    // As clear on white as on black.
+    let colour = if ui.visuals().dark_mode { [230, 159, 0] } else { [165, 90, 0] };
+    let colour = egui::Color32::from_rgb(colour[0], colour[1], colour[2]);
     plot.show(ui, |ui| {
         for piece in pieces(profile) {
             let points: PlotPoints<'_> =
                 piece.into_iter().map(|[distance, height]| [distance * scale, height]).collect();
-            ui.line(Line::new("ground", points).color(egui::Color32::from_rgb(230, 159, 0)).width(2.0));
+            ui.line(Line::new("ground", points).color(colour).width(2.0));
         }
     });
 }
