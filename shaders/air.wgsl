@@ -99,10 +99,14 @@ fn in_kilometres(direction: vec3f) -> vec3f {
 
 // The veil before what lies at a view depth and a world height, in a direction of a view depth of 1.
 fn veil(direction: vec3f, depth: f32, height: f32) -> Veil {
+    return veil_between(direction, depth, air.kilometres.z, height * air.kilometres.y);
+}
+
+// The veil along `depth` times a direction, between two heights in kilometres.
+fn veil_between(direction: vec3f, depth: f32, from: f32, to: f32) -> Veil {
     let way = min(depth * length(in_kilometres(direction)), FAR);
-    let at = height * air.kilometres.y;
-    let low = min(at, air.kilometres.z);
-    let high = max(at, air.kilometres.z);
+    let low = min(from, to);
+    let high = max(from, to);
     var aerial = vec3f(0.0);
     var fogged = 0.0;
 #ifdef AERIAL
@@ -118,9 +122,13 @@ fn veil(direction: vec3f, depth: f32, height: f32) -> Veil {
 #ifdef FOG
 // The veil of fog before the sky. Beside the map it lies on a plain as low as the map's lowest place.
 fn veil_of_sky(direction: vec3f) -> Veil {
+    return veil_of_sky_over(direction, air.kilometres.z);
+}
+
+// The same for an eye so many kilometres over the floor.
+fn veil_of_sky_over(direction: vec3f, eye: f32) -> Veil {
     let way = in_kilometres(direction);
     let rise = way.y / length(way);
-    let eye = air.kilometres.z;
     let base = air.fog.z;
     // Upwards: what of the air column lies above the eye. Downwards: the way to the plain.
     let column = max(base - eye, 0.0) + exp(-max(eye - base, 0.0) * air.fog.y) / air.fog.y;

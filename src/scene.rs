@@ -10,9 +10,10 @@ pub mod flare;
 pub mod land;
 pub mod light;
 mod materials;
+pub mod motion;
 pub mod ramp;
 pub mod sun;
-mod water;
+pub(crate) mod water;
 
 use std::path::PathBuf;
 

@@ -16,6 +16,7 @@ use crate::camera_path::Track;
 use crate::gpu::Target;
 use crate::render::RenderError;
 use crate::scene::Scene;
+use crate::scene::motion::FilmClocks;
 
 /// Pictures that wait for the encoder at most.
 const WAITING: usize = 2;
@@ -30,6 +31,9 @@ const TELL: Duration = Duration::from_millis(150);
 pub(super) struct Film {
     scene: Scene,
     track: Track,
+    /// Where water and clouds are when it begins; seconds from picture to picture.
+    clocks: FilmClocks,
+    step: f64,
     target: Target,
     count: u32,
     drawn: u32,
@@ -148,6 +152,8 @@ impl Viewer {
                 self.film = Some(Film {
                     scene: self.scene.clone(),
                     track,
+                    clocks: FilmClocks::of(&self.scene),
+                    step: 1.0 / f64::from(self.view.path.per_second),
                     target: Target::new(&graphics.gpu, size),
                     count,
                     drawn: 0,
@@ -205,6 +211,7 @@ impl Viewer {
         }
         let share = f64::from(film.drawn) / f64::from((film.count - 1).max(1));
         film.scene.camera = Some(film.track.at(film.track.seconds() * share));
+        film.clocks.set(&mut film.scene, film.step * f64::from(film.drawn));
         // As `render --path` draws it: with the whole light map of this very sun.
         graphics.renderer.set_bake_budget(None);
         let drawn = graphics.renderer.time(&film.scene, &film.target);

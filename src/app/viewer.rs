@@ -119,8 +119,8 @@ pub(crate) struct Viewer {
     pub(super) prepared: bool,
     /// The last picture had the occluder in it.
     pub(super) occluder_seen: bool,
-    /// Whether the last picture showed water.
-    pub(super) water_seen: bool,
+    /// What of the last picture water's and clouds' clocks move.
+    pub(super) motion: crate::render::Motion,
     /// When the water last moved.
     pub(super) flowed: Option<Instant>,
     /// The last time that the clock went on, while it runs.
@@ -222,7 +222,7 @@ impl Viewer {
             last_good: None,
             prepared: false,
             occluder_seen: false,
-            water_seen: false,
+            motion: crate::render::Motion::default(),
             flowed: None,
             ran: None,
             spun: None,
@@ -348,9 +348,9 @@ impl Viewer {
         lighting.clock.runs() && (lighting.enabled || skybox.enabled || land.hillshade == Hillshade::Sun)
     }
 
-    /// Whether clouds move where the picture shows them, or their shadows.
+    /// Whether clouds move where the picture shows them, or their shadows; they rest for who wants less motion.
     pub(super) fn clouds_move(&self) -> bool {
-        self.scene.clouds.runs() && crate::render::shows_air(&self.scene)
+        self.scene.clouds.runs() && self.motion.clouds && !self.reduces_motion()
     }
 
     /// Whether steps per ray are wanted, and there is a picture to measure them for. What is being compiled may be for them.
@@ -365,7 +365,7 @@ impl Viewer {
 
     /// Whether the water moves: it rests while it is out of view, and for who wants less motion.
     pub(super) fn flows(&self) -> bool {
-        self.scene.water.runs() && self.water_seen && !self.reduces_motion()
+        self.scene.water.runs() && self.motion.water && !self.reduces_motion()
     }
 
     /// The last measurement of steps per ray, while they are measured.
