@@ -134,7 +134,13 @@ fn veil_of_sky_over(direction: vec3f, eye: f32) -> Veil {
     let column = max(base - eye, 0.0) + exp(-max(eye - base, 0.0) * air.fog.y) / air.fog.y;
     let to_plain = max(eye, 0.0) * mean_density(0.0, max(eye, 0.0), base, air.fog.y);
     let fogged = min(select(column, to_plain, rise < 0.0) / max(abs(rise), 1e-6), FAR) * air.fog.x;
-    return veil_of(vec3f(0.0), fogged, direction);
+    let passes = exp(-fogged);
+    // Fog that begins far below the eye is veiled by the air before it, up to the colour of the horizon: there a plain of fog
+    // ends without an edge.
+    let far = max(eye - base, 0.0) / max(abs(rise), 1e-6);
+    let clear = exp(-min(far, FAR) * (air.molecules.rgb + air.haze.rgb));
+    let light = mix(horizon_light(direction), fog_light(direction), clear);
+    return Veil(vec3f(passes), (1.0 - passes) * light);
 }
 #endif
 

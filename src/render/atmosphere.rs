@@ -29,7 +29,7 @@ pub(super) struct Atmosphere {
     pub(super) clouds: Option<Clouds>,
     flare: Option<FlareBindings>,
     /// How much of the sun was seen when it was last looked for.
-    sun_look: Option<SunLook>,
+    pub(super) sun_look: Option<SunLook>,
     /// Found for clouds that are to be cut from a map.
     pattern: Option<MapPattern>,
 }
