@@ -103,10 +103,10 @@ fn veil(direction: vec3f, depth: f32, height: f32) -> Veil {
 }
 
 // The veil along `depth` times a direction, between two heights in kilometres.
-fn veil_between(direction: vec3f, depth: f32, from: f32, to: f32) -> Veil {
+fn veil_between(direction: vec3f, depth: f32, begin: f32, end: f32) -> Veil {
     let way = min(depth * length(in_kilometres(direction)), FAR);
-    let low = min(from, to);
-    let high = max(from, to);
+    let low = min(begin, end);
+    let high = max(begin, end);
     var aerial = vec3f(0.0);
     var fogged = 0.0;
 #ifdef AERIAL

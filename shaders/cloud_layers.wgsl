@@ -39,8 +39,8 @@ struct Cloud {
     slope: vec2f,
 }
 
-// The clouds of a layer at a place of its plane, blurred over `footprint` world units. Where they are full they lean by `lean`, where
-// they are thin by its opposite: 0 for what has no thickness.
+// The clouds of a layer at a place of its plane, blurred over `footprint` world units. Half of the pattern is looked up so far
+// aside as they are full: by −`lean` where they are, by `lean` where there are none; 0 sees them as flat as they are.
 fn cloud_at(layer: CloudLayer, place: vec2f, footprint: f32, lean: vec2f) -> Cloud {
     let tiles = footprint * length(layer.first.xy);
     // Half of the way between two levels belongs to one of them alone: there a software rasteriser looks up one, not two.

@@ -41,9 +41,9 @@ fn vs_main(@builtin(vertex_index) index: u32, @builtin(instance_index) instance:
     let horizon = clamp(level, 0.0, last);
     // 0, 1, 2 and 2, 1, 3.
     let corner = select(index, select(index - 1u, select(1u, 3u, index == 5u), index > 3u), index > 2u);
-    let from = select(horizon, 0.0, above > 0.0);
-    let to = select(last, horizon, above > 0.0);
-    let pixel = vec2f(select(0.0, 2.0 * frame.centre_x, (corner & 1u) != 0u), select(from, to, corner > 1u));
+    let upper = select(horizon, 0.0, above > 0.0);
+    let lower = select(last, horizon, above > 0.0);
+    let pixel = vec2f(select(0.0, 2.0 * frame.centre_x, (corner & 1u) != 0u), select(upper, lower, corner > 1u));
     let ray = pixel_ray(pixel);
     // Of a plane the depth that is tested, one over view depth, is as straight as the picture.
     let depth = NEAR * ray.direction.y / select(above, 1e-30, above == 0.0);

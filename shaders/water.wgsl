@@ -238,8 +238,8 @@ fn sky_before(leg: Leg, pixel_size: f32) -> vec3f {
     let direction = leg.ray.direction;
     var light = bare_sky(direction);
 #ifdef FOG
-    let from = leg.ray.origin.y * air::air.kilometres.y;
-    let fog = air::veil_of_sky_over(direction, from);
+    let begin = leg.ray.origin.y * air::air.kilometres.y;
+    let fog = air::veil_of_sky_over(direction, begin);
     light = light * fog.passes + fog.light;
 #endif
 #ifdef WATER_CLOUDS
@@ -248,7 +248,8 @@ fn sky_before(leg: Leg, pixel_size: f32) -> vec3f {
     var gathered = vec3f(0.0);
     let steep = max(direction.y, 0.0);
     let seen = smoothstep(0.012, 0.11, steep);
-    let lights = CloudLights(vec4f(air_constants.sun.xyz, clouds.sun.z), air_constants.sun_light.rgb, air_constants.sky_light.rgb);
+    let sun = vec4f(air_constants.sun.xyz, clouds.sun.z);
+    let lights = CloudLights(sun, air_constants.sun_light.rgb, air_constants.sky_light.rgb);
     let count = select(0u, min(u32(clouds.count.x), CLOUD_LAYERS), seen > 0.0);
     var index = 0u;
     while index < count && passes > 0.03 {
@@ -257,11 +258,13 @@ fn sky_before(leg: Leg, pixel_size: f32) -> vec3f {
         let over = layer.shape.x - leg.ray.origin.y;
         let along = over / max(steep, 1e-6);
         let place = leg.ray.origin.xz + direction.xz * along;
-        let cloud = cloud_at(layer, place, pixel_size * (leg.way + along) * pow(max(steep, 1e-3), -0.8), vec2f(0.0));
+        let footprint = pixel_size * (leg.way + along) * pow(max(steep, 1e-3), -0.8);
+        let cloud = cloud_at(layer, place, footprint, vec2f(0.0));
         let opacity = select(0.0, (1.0 - exp(-cloud.depth * min(1.0 / max(steep, 1e-3), 3.0))) * seen, over > 0.0);
         var shown = cloud_colour(cloud, direction, lights);
 #ifdef AIR
-        let veil = air::veil_between(direction, along, leg.ray.origin.y * air_constants.kilometres.y, layer.shape.x * air_constants.kilometres.y);
+        let up = air_constants.kilometres.y;
+        let veil = air::veil_between(direction, along, leg.ray.origin.y * up, layer.shape.x * up);
         shown = shown * veil.passes + veil.light;
 #endif
         gathered += passes * opacity * shown;
@@ -362,8 +365,9 @@ fn fs_main(in: varyings::Varyings) -> Fragment {
 #endif
 #ifdef WATER_FOAM
         // How steep the ground under it is.
-        let across = 0.5 * vec2f(corners.y + corners.w - corners.x - corners.z, corners.z + corners.w - corners.x - corners.y);
-        foam = waves::foam_at(origin.xz, over_ground, length(across * terrain.cells_per_unit), width, 1.0 / max(-direction.y, 0.05));
+        let across = vec2f(corners.y + corners.w - corners.x - corners.z, corners.z + corners.w - corners.x - corners.y);
+        let slope = 0.5 * length(across * terrain.cells_per_unit);
+        foam = waves::foam_at(origin.xz, over_ground, slope, width, 1.0 / max(-direction.y, 0.05));
 #ifdef HOLES
         foam = select(0.0, foam, has_ground(corners));
 #endif
@@ -447,8 +451,8 @@ fn fs_main(in: varyings::Varyings) -> Fragment {
 #ifdef AIR
                     if !leg.in_water {
                         let end = leg.ray.origin.y + leg.ray.direction.y * met.at;
-                        let from = leg.ray.origin.y * air::air.kilometres.y;
-                        let veil = air::veil_between(leg.ray.direction, met.at, from, end * air::air.kilometres.y);
+                        let begin = leg.ray.origin.y * air::air.kilometres.y;
+                        let veil = air::veil_between(leg.ray.direction, met.at, begin, end * air::air.kilometres.y);
                         light = light * veil.passes + veil.light;
                     }
 #endif

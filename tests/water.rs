@@ -436,7 +436,7 @@ fn dark_sea(map: &HeightField) -> Scene {
     let extent = map.box_size(Some(0.3));
     let eye = DVec3::new(0.5, 0.5, 0.9) * extent + DVec3::new(0.0, 0.02, 0.0);
     let mut scene = sea(Camera { eye, yaw: 0.0, pitch: -25.0, fov: 40.0 }, 0.5);
-    (scene.terrain.height_scale, scene.water.clarity) = (Some(0.3), 1e-4);
+    (scene.terrain.height_scale, scene.water.clarity) = (Some(0.3), 2e-4);
     scene
 }
 
