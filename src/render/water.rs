@@ -181,10 +181,12 @@ pub(super) fn describe(key: WaterKey) -> PassDescription {
         if !key.ground.air.is_on() {
             // The lights of clouds are among its constants.
             bindings.push(storage_entry::<AirUniform>(air::AIR));
-            modules.push("air.wgsl");
         }
         bindings.extend(clouds::layer_entries());
-        modules.push("cloud_layers.wgsl");
+        // A module that comes twice takes those away that need it.
+        let missing = ["air.wgsl", "cloud_layers.wgsl"].into_iter().filter(|name| !modules.contains(name));
+        let missing: Vec<_> = missing.collect();
+        modules.extend(missing);
     }
     modules.extend(["cube_faces.wgsl", "waves.wgsl"]);
     let defs = key.defs();
