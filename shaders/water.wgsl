@@ -250,9 +250,12 @@ fn sky_before(leg: Leg, pixel_size: f32) -> vec3f {
     let seen = smoothstep(0.012, 0.11, steep);
     let sun = vec4f(air_constants.sun.xyz, clouds.sun.z);
     let lights = CloudLights(sun, air_constants.sun_light.rgb, air_constants.sky_light.rgb);
-    let count = select(0u, min(u32(clouds.count.x), CLOUD_LAYERS), seen > 0.0);
+    let count = select(0u, u32(clouds.count.x), seen > 0.0);
     var index = 0u;
-    while index < count && passes > 0.03 {
+    while index < CLOUD_LAYERS {
+        if index >= count || passes < 0.03 {
+            break;
+        }
         let layer = clouds.layers[index];
         index += 1u;
         let over = layer.shape.x - leg.ray.origin.y;
