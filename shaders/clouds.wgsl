@@ -87,7 +87,7 @@ fn fs_main(in: Varyings) -> @location(0) vec4f {
     let footprint = in.direction.w * depth * exp2(-0.8 * log2(steep));
     let layer = CloudLayer(in.shape, in.first, in.second, in.offsets);
     // Tops are nearer to an eye above, bottoms to one below: half of the pattern is looked up as far ahead as they lean.
-    let lean = ray.xz * (in.shape.y / max(abs(ray.y), 0.2 * length(ray)));
+    let lean = ray.xz * (in.shape.y / max(abs(ray.y), 0.6 * length(ray)));
     let cloud = cloud_at(layer, place, footprint, lean);
     if cloud.depth <= 0.0 {
         discard;
