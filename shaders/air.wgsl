@@ -99,10 +99,14 @@ fn in_kilometres(direction: vec3f) -> vec3f {
 
 // The veil before what lies at a view depth and a world height, in a direction of a view depth of 1.
 fn veil(direction: vec3f, depth: f32, height: f32) -> Veil {
+    return veil_between(direction, depth, air.kilometres.z, height * air.kilometres.y);
+}
+
+// The veil along `depth` times a direction, between two heights in kilometres.
+fn veil_between(direction: vec3f, depth: f32, begin: f32, end: f32) -> Veil {
     let way = min(depth * length(in_kilometres(direction)), FAR);
-    let at = height * air.kilometres.y;
-    let low = min(at, air.kilometres.z);
-    let high = max(at, air.kilometres.z);
+    let low = min(begin, end);
+    let high = max(begin, end);
     var aerial = vec3f(0.0);
     var fogged = 0.0;
 #ifdef AERIAL
@@ -118,15 +122,25 @@ fn veil(direction: vec3f, depth: f32, height: f32) -> Veil {
 #ifdef FOG
 // The veil of fog before the sky. Beside the map it lies on a plain as low as the map's lowest place.
 fn veil_of_sky(direction: vec3f) -> Veil {
+    return veil_of_sky_over(direction, air.kilometres.z);
+}
+
+// The same for an eye so many kilometres over the floor.
+fn veil_of_sky_over(direction: vec3f, eye: f32) -> Veil {
     let way = in_kilometres(direction);
     let rise = way.y / length(way);
-    let eye = air.kilometres.z;
     let base = air.fog.z;
     // Upwards: what of the air column lies above the eye. Downwards: the way to the plain.
     let column = max(base - eye, 0.0) + exp(-max(eye - base, 0.0) * air.fog.y) / air.fog.y;
     let to_plain = max(eye, 0.0) * mean_density(0.0, max(eye, 0.0), base, air.fog.y);
     let fogged = min(select(column, to_plain, rise < 0.0) / max(abs(rise), 1e-6), FAR) * air.fog.x;
-    return veil_of(vec3f(0.0), fogged, direction);
+    let passes = exp(-fogged);
+    // Fog that begins far below the eye is veiled by the air before it, up to the colour of the horizon: there a plain of fog
+    // ends without an edge.
+    let far = max(eye - base, 0.0) / max(abs(rise), 1e-6);
+    let clear = exp(-min(far, FAR) * (air.molecules.rgb + air.haze.rgb));
+    let light = mix(horizon_light(direction), fog_light(direction), clear);
+    return Veil(vec3f(passes), (1.0 - passes) * light);
 }
 #endif
 

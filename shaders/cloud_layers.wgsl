@@ -39,15 +39,17 @@ struct Cloud {
     slope: vec2f,
 }
 
-// The clouds of a layer at a place of its plane, blurred over `footprint` world units.
-fn cloud_at(layer: CloudLayer, place: vec2f, footprint: f32) -> Cloud {
+// The clouds of a layer at a place of its plane, blurred over `footprint` world units. Half of the pattern is looked up so far
+// aside as they are full: by −`lean` where they are, by `lean` where there are none; 0 sees them as flat as they are.
+fn cloud_at(layer: CloudLayer, place: vec2f, footprint: f32, lean: vec2f) -> Cloud {
     let tiles = footprint * length(layer.first.xy);
     // Half of the way between two levels belongs to one of them alone: there a software rasteriser looks up one, not two.
     let exact = max(log2(tiles * SIDE), 0.0);
     let level = floor(exact) + clamp(2.0 * fract(exact) - 0.5, 0.0, 1.0);
     let first = vec2f(dot(layer.first.xy, place), dot(layer.first.zw, place)) + layer.offsets.xy;
-    let second = vec2f(dot(layer.second.xy, place), dot(layer.second.zw, place)) + layer.offsets.zw;
     let a = textureSampleLevel(pattern, pattern_sampler, first, level).rgb;
+    let ahead = place + (1.0 - 2.0 * a.r) * lean;
+    let second = vec2f(dot(layer.second.xy, ahead), dot(layer.second.zw, ahead)) + layer.offsets.zw;
     let b = textureSampleLevel(pattern, pattern_sampler, second, level).rgb;
     // Of two even distributions the mean is that of a triangle; this makes it even again, so that the share that a
     // threshold leaves free is the share of the sky.
@@ -62,4 +64,45 @@ fn cloud_at(layer: CloudLayer, place: vec2f, footprint: f32) -> Cloud {
     let turned = (a.gb - 0.5) * mat2x2f(normalize(layer.first.xz), normalize(layer.first.yw))
         + (b.gb - 0.5) * mat2x2f(normalize(layer.second.xz), normalize(layer.second.yw));
     return Cloud(layer.shape.z * thick, fullness, 2.0 * turned);
+}
+
+// How a cloud scatters forward, 1 towards the sun.
+fn silver(to_sun: f32) -> f32 {
+    let spread = 0.04 / (1.04 - to_sun);
+    return spread * sqrt(spread) * 8.0;
+}
+
+// What lights clouds.
+struct CloudLights {
+    // Towards the sun; above 0 where light is exposed.
+    sun: vec4f,
+    sun_light: vec3f,
+    sky_light: vec3f,
+}
+
+// Light of a cloud, seen in a direction (unit length), from below or above.
+fn cloud_colour(cloud: Cloud, direction: vec3f, lights: CloudLights) -> vec3f {
+    let sun = lights.sun.xyz;
+    let to_sun = dot(direction, sun);
+    let solid = 1.0 - exp(-cloud.depth);
+    // The side towards the sun is where the cloud grows thinner towards it.
+    let along = sun.xz / max(length(sun.xz), 1e-6);
+    let level = length(sun.xz);
+    let facing = -dot(cloud.slope, along) * level;
+    var lit: f32;
+    var sky: f32;
+    if direction.y > 0.0 {
+        // What comes through from above: less through the thick, much at thin edges, most around the sun.
+        let through = exp(-0.55 * cloud.depth);
+        lit = 0.14 + 0.44 * through + 0.5 * facing + min(silver(to_sun), 1.0) * 0.8 * exp(-1.3 * cloud.depth);
+        sky = 0.60 - 0.22 * solid;
+    } else {
+        // Tops that are turned to the sun, and shade behind them; thin edges let the light of the sun behind them through.
+        let top = 0.30 + 0.45 * cloud.fullness;
+        lit = top * (0.45 + 0.55 * sun.y) + (0.9 * facing) * (0.4 + 0.6 * solid);
+        lit += min(silver(to_sun), 1.0) * 0.6 * exp(-1.5 * cloud.depth);
+        sky = 0.34 + 0.16 * cloud.fullness;
+    }
+    let light = lights.sun_light * max(lit, 0.10) + lights.sky_light * sky;
+    return select(light, 1.0 - exp(-1.6 * light), lights.sun.w > 0.0);
 }

@@ -19,7 +19,7 @@ fn fs_main(@builtin(position) position: vec4f) -> @location(0) vec4f {
     var index = 0u;
     while index < CLOUD_LAYERS {
         let layer = clouds.layers[index];
-        let cloud = cloud_at(layer, at_floor + layer.shape.x * clouds.shadow.zw, footprint);
+        let cloud = cloud_at(layer, at_floor + layer.shape.x * clouds.shadow.zw, footprint, vec2f(0.0));
         let through = mix(1.0, exp(-cloud.depth / clouds.sun.x), clouds.sun.y);
         let passes = select(1.0, through, f32(index) < clouds.count.x);
         light *= select(vec4f(1.0), vec4f(passes), vec4u(0u, 1u, 2u, 3u) <= vec4u(index));

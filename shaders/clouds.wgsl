@@ -1,5 +1,6 @@
 // The clouds: flat layers between the eye and what it sees, or the sky, blended over the picture, an instance for each from the
-// farthest to the nearest. Which of them are before the ground the picture's depth tells.
+// farthest to the nearest. Each is drawn over the rows in which it can be, on its side of the horizon, and at its own depth:
+// where the ground is before it, no fragment runs.
 //
 // All that a layer's fragments need comes as varyings: a software rasteriser reads buffers lane by lane.
 
@@ -8,7 +9,7 @@
 #import relief::air
 #import relief::air::air as constants
 #import relief::cloud_constants::CLOUD_LAYERS
-#import relief::cloud_layers::{clouds, cloud_at, Cloud, CloudLayer}
+#import relief::cloud_layers::{clouds, cloud_at, cloud_colour, CloudLayer, CloudLights}
 
 @group(1) @binding(50) var depths: texture_depth_2d;
 
@@ -30,16 +31,26 @@ struct Varyings {
 
 @vertex
 fn vs_main(@builtin(vertex_index) index: u32, @builtin(instance_index) instance: u32) -> Varyings {
-    // One triangle over all.
-    let corner = vec2f(4.0 * f32(index & 1u) - 1.0, 4.0 * f32(index >> 1u) - 1.0);
-    let pixel = vec2f(frame.centre_x, frame.centre_y) * (1.0 + corner * vec2f(1.0, -1.0));
-    let ray = pixel_ray(pixel);
     let number = u32(clouds.order[min(instance >> 2u, 1u)][instance & 3u]);
     let layer = clouds.layers[min(number, CLOUD_LAYERS - 1u)];
+    // The row of the horizon: the camera does not roll. Rows count down, in which rays turn down, too.
+    let above = layer.shape.x - clouds.count.y;
+    let last = 2.0 * frame.centre_y;
+    let turns = frame.ray_direction_down.y;
+    let level = frame.centre_y - frame.ray_direction.y / select(turns, -1e-30, abs(turns) < 1e-30);
+    let horizon = clamp(level, 0.0, last);
+    // 0, 1, 2 and 2, 1, 3.
+    let corner = select(index, select(index - 1u, select(1u, 3u, index == 5u), index > 3u), index > 2u);
+    let upper = select(horizon, 0.0, above > 0.0);
+    let lower = select(last, horizon, above > 0.0);
+    let pixel = vec2f(select(0.0, 2.0 * frame.centre_x, (corner & 1u) != 0u), select(upper, lower, corner > 1u));
+    let ray = pixel_ray(pixel);
+    // Of a plane the depth that is tested, one over view depth, is as straight as the picture.
+    let depth = NEAR * ray.direction.y / select(above, 1e-30, above == 0.0);
     // Softly through a layer that the eye flies through.
-    let shows = smoothstep(0.0, 2.0 * layer.shape.y, abs(layer.shape.x - clouds.count.y));
+    let shows = smoothstep(0.0, 2.0 * layer.shape.y, abs(above));
     return Varyings(
-        vec4f(corner, 0.0, 1.0),
+        vec4f(pixel / vec2f(frame.centre_x, -frame.centre_y) + vec2f(-1.0, 1.0), clamp(depth, 0.0, 1.0), 1.0),
         vec4f(ray.origin, frame.ray_start),
         vec4f(ray.direction, frame.pixel_size),
         layer.shape,
@@ -52,34 +63,6 @@ fn vs_main(@builtin(vertex_index) index: u32, @builtin(instance_index) instance:
     );
 }
 
-// How a cloud scatters forward, 1 towards the sun.
-fn silver(to_sun: f32) -> f32 {
-    let spread = 0.04 / (1.04 - to_sun);
-    return spread * sqrt(spread) * 8.0;
-}
-
-// Light of a cloud, seen in a direction (unit length), from below or above.
-fn cloud_light(cloud: Cloud, direction: vec3f, sun: vec3f, sun_light: vec3f, sky_light: vec3f) -> vec3f {
-    let to_sun = dot(direction, sun);
-    let solid = 1.0 - exp(-cloud.depth);
-    // The side towards the sun is where the cloud grows thinner towards it.
-    let along = sun.xz / max(length(sun.xz), 1e-6);
-    let level = length(sun.xz);
-    let facing = -dot(cloud.slope, along) * level;
-    var lit: f32;
-    var sky: f32;
-    if direction.y > 0.0 {
-        // What comes through from above: less through the thick, much at thin edges, most around the sun.
-        let through = exp(-0.55 * cloud.depth);
-        lit = 0.14 + 0.44 * through + 0.5 * facing + min(silver(to_sun), 1.0) * 0.8 * exp(-1.3 * cloud.depth);
-        sky = 0.60 - 0.22 * solid;
-    } else {
-        lit = (0.50 + 0.28 * cloud.fullness) * (0.55 + 0.45 * sun.y) + 0.7 * facing;
-        sky = 0.50;
-    }
-    return sun_light * max(lit, 0.10) + sky_light * sky;
-}
-
 @fragment
 fn fs_main(in: Varyings) -> @location(0) vec4f {
     let ray = in.direction.xyz;
@@ -87,7 +70,7 @@ fn fs_main(in: Varyings) -> @location(0) vec4f {
     let depth = in.origin.w + along;
     let direction = normalize(ray);
     let steep = abs(direction.y);
-    // Near the horizon layers fade: there they would be seen on edge.
+    // Near the horizon layers fade: there they would be seen on edge. Up to here in `render/clouds.rs` (`FADED`), too.
     let seen = smoothstep(0.012, 0.11, steep) * in.sun_light.w;
     if depth <= 0.0 || seen <= 0.0 {
         discard;
@@ -103,14 +86,15 @@ fn fs_main(in: Varyings) -> @location(0) vec4f {
     let place = in.origin.xz + ray.xz * along;
     let footprint = in.direction.w * depth * exp2(-0.8 * log2(steep));
     let layer = CloudLayer(in.shape, in.first, in.second, in.offsets);
-    let cloud = cloud_at(layer, place, footprint);
+    // Tops are nearer to an eye above, bottoms to one below: half of the pattern is looked up as far ahead as they lean.
+    let lean = ray.xz * (in.shape.y / max(abs(ray.y), 0.6 * length(ray)));
+    let cloud = cloud_at(layer, place, footprint, lean);
     if cloud.depth <= 0.0 {
         discard;
     }
     let slant = min(1.0 / steep, 3.0);
     let opacity = (1.0 - exp(-cloud.depth * slant)) * seen * hills;
-    var light = cloud_light(cloud, direction, in.sun.xyz, in.sun_light.rgb, in.sky_light.rgb);
-    light = select(light, 1.0 - exp(-1.6 * light), in.sun.w > 0.0);
+    var light = cloud_colour(cloud, direction, CloudLights(in.sun, in.sun_light.rgb, in.sky_light.rgb));
 #ifdef AIR
     let before = air::veil(ray, depth, in.shape.x);
     light = light * before.passes + before.light;

@@ -24,8 +24,13 @@
 #import relief::ground
 #import relief::shading
 #endif
-#ifdef AIR
+#ifdef ATMOSPHERE
 #import relief::air
+#endif
+#ifdef WATER_CLOUDS
+#import relief::air::air as air_constants
+#import relief::cloud_constants::CLOUD_LAYERS
+#import relief::cloud_layers::{clouds, cloud_at, cloud_colour, CloudLights}
 #endif
 #import relief::waves
 #import relief::waves::water
@@ -45,8 +50,13 @@ const INDEX: f32 = 1.333;
 const LEAST: f32 = 0.002;
 // Rounding of where a ray comes in, as a share of its length and of the box's size.
 const ROUNDING: f32 = 1e-6;
-// Legs of a ray.
+// Legs of a ray; where shadows are cast, one more towards the sun, whose glint is seen only where it ends nowhere.
+const SUNWARD: u32 = 3u;
+#ifdef SUNLIGHT
+const LEGS: u32 = 4u;
+#else
 const LEGS: u32 = 3u;
+#endif
 // Farther than anything.
 const ENDLESS: f32 = 1e30;
 
@@ -197,8 +207,8 @@ fn follow(ray: Ray, most: f32) -> End {
 }
 
 #ifdef SHADED
-// The sky in a direction, linear light.
-fn sky_along(direction: vec3f) -> vec3f {
+// The sky's light in a direction, linear, without fog and clouds.
+fn bare_sky(direction: vec3f) -> vec3f {
 #ifdef WATER_SKY
     let on_box = direction * vec3f(1.0, water.sun_and_flattening.w, 1.0);
     let size = abs(on_box);
@@ -221,6 +231,51 @@ fn sky_along(direction: vec3f) -> vec3f {
 #else
     return water.background_and_foam.xyz;
 #endif
+}
+
+// The sky as a leg through air sees it that meets nothing: with the fog and the clouds before it.
+fn sky_before(leg: Leg, pixel_size: f32) -> vec3f {
+    let direction = leg.ray.direction;
+    var light = bare_sky(direction);
+#ifdef FOG
+    let begin = leg.ray.origin.y * air::air.kilometres.y;
+    let fog = air::veil_of_sky_over(direction, begin);
+    light = light * fog.passes + fog.light;
+#endif
+#ifdef WATER_CLOUDS
+    // From the nearest, which is the lowest, up, until nothing behind shows.
+    var passes = 1.0;
+    var gathered = vec3f(0.0);
+    let steep = max(direction.y, 0.0);
+    let seen = smoothstep(0.012, 0.11, steep);
+    let sun = vec4f(air_constants.sun.xyz, clouds.sun.z);
+    let lights = CloudLights(sun, air_constants.sun_light.rgb, air_constants.sky_light.rgb);
+    let count = select(0u, u32(clouds.count.x), seen > 0.0);
+    var index = 0u;
+    while index < CLOUD_LAYERS {
+        if index >= count || passes < 0.03 {
+            break;
+        }
+        let layer = clouds.layers[index];
+        index += 1u;
+        let over = layer.shape.x - leg.ray.origin.y;
+        let along = over / max(steep, 1e-6);
+        let place = leg.ray.origin.xz + direction.xz * along;
+        let footprint = pixel_size * (leg.way + along) * pow(max(steep, 1e-3), -0.8);
+        let cloud = cloud_at(layer, place, footprint, vec2f(0.0));
+        let opacity = select(0.0, (1.0 - exp(-cloud.depth * min(1.0 / max(steep, 1e-3), 3.0))) * seen, over > 0.0);
+        var shown = cloud_colour(cloud, direction, lights);
+#ifdef AIR
+        let up = air_constants.kilometres.y;
+        let veil = air::veil_between(direction, along, leg.ray.origin.y * up, layer.shape.x * up);
+        shown = shown * veil.passes + veil.light;
+#endif
+        gathered += passes * opacity * shown;
+        passes *= 1.0 - opacity;
+    }
+    light = gathered + passes * light;
+#endif
+    return light;
 }
 
 // What light comes back along a leg from where it ends.
@@ -280,7 +335,11 @@ fn fs_main(in: varyings::Varyings) -> Fragment {
 #endif
 #ifdef SHADED
     var color = vec3f(0.0);
-    var at_surface = Split(direction, direction, 0.0, vec2f(0.0), 0.0);
+    // Sunlight that the waves mirror.
+    var glinting = vec3f(0.0);
+#endif
+#ifdef SUNLIGHT
+    var sunward = leg;
 #endif
 #ifdef WATER_FOAM
     var foam = 0.0;
@@ -304,15 +363,26 @@ fn fs_main(in: varyings::Varyings) -> Fragment {
         other = Leg(Ray(start, split.through), true, false, vec3f(1.0 - split.share), leg.way);
         turn = select(1u, LEGS, is_dry);
 #ifdef SHADED
-        at_surface = split;
+        // Where little light is mirrored, most of the mirrored light is the sun's.
+        glinting = glint(split, direction) * (split.share / max(split.share, 0.02));
 #endif
 #ifdef WATER_FOAM
-        foam = waves::foam_at(origin.xz, over_ground, width);
+        // How steep the ground under it is.
+        let across = vec2f(corners.y + corners.w - corners.x - corners.z, corners.z + corners.w - corners.x - corners.y);
+        let slope = 0.5 * length(across * terrain.cells_per_unit);
+        foam = waves::foam_at(origin.xz, over_ground, slope, width, 1.0 / max(-direction.y, 0.05));
 #ifdef HOLES
         foam = select(0.0, foam, has_ground(corners));
 #endif
         leg.weight *= 1.0 - foam;
         other.weight *= 1.0 - foam;
+        glinting *= 1.0 - foam;
+#endif
+#ifdef CLOUD_SHADOWS
+        glinting *= air::cloud_light(start);
+#endif
+#ifdef SUNLIGHT
+        sunward = Leg(Ray(start, terrain.sun), false, false, glinting, leg.way);
 #endif
     }
     while turn < LEGS {
@@ -321,6 +391,11 @@ fn fs_main(in: varyings::Varyings) -> Fragment {
         if index == 2u {
             leg = other;
         }
+#ifdef SUNLIGHT
+        if index == SUNWARD {
+            leg = sunward;
+        }
+#endif
         if max(max(leg.weight.x, leg.weight.y), leg.weight.z) >= LEAST {
             // A leg through water that rises ends at the surface.
             let to_surface = (level() - leg.ray.origin.y) / max(leg.ray.direction.y, 1.0 / ENDLESS);
@@ -374,13 +449,29 @@ fn fs_main(in: varyings::Varyings) -> Fragment {
                     let below = level() - (leg.ray.origin.y + leg.ray.direction.y * met.at);
                     leg.weight *= exp(-water.absorption_and_level.xyz * max(below, 0.0));
                 }
-                color += leg.weight * light_from(met, leg);
-            } else if !leg.in_water {
-                var light = sky_along(leg.ray.direction);
-                if leg.mirrored {
-                    light += glint(at_surface, direction) / max(at_surface.share, 0.02);
+                if index != SUNWARD {
+                    var light = light_from(met, leg);
+#ifdef AIR
+                    if !leg.in_water {
+                        let end = leg.ray.origin.y + leg.ray.direction.y * met.at;
+                        let begin = leg.ray.origin.y * air::air.kilometres.y;
+                        let veil = air::veil_between(leg.ray.direction, met.at, begin, end * air::air.kilometres.y);
+                        light = light * veil.passes + veil.light;
+                    }
+#endif
+                    color += leg.weight * light;
                 }
-                color += leg.weight * light;
+            } else if !leg.in_water {
+#ifdef SUNLIGHT
+                let seen = select(sky_before(leg, frame.pixel_size), vec3f(1.0), index == SUNWARD);
+                color += leg.weight * seen;
+#else
+                color += leg.weight * sky_before(leg, frame.pixel_size);
+                if leg.mirrored && index == 1u {
+                    // Without shadows only what is seen in the mirror hides the sun's glint.
+                    color += glinting;
+                }
+#endif
             }
 #endif
             if surfaces {

@@ -20,9 +20,11 @@ struct Water {
     background_and_foam: vec4f,
     // Light on foam; radius of the largest bubbles.
     foam_light_and_bubbles: vec4f,
-    // Shift of the foam's pattern, and of the bubbles upwards; length of the foam's flakes; radians per world unit of the
+    // Nothing; how far bubbles have risen, in cells of their grid; length of the foam's flakes; radians per world unit of the
     // longest wave.
     drift: vec4f,
+    // Where the foam's pattern has drifted to, in flakes; nothing.
+    foam_shift: vec4f,
     // Of each wave: radians per world unit along x and z, its slope, its phase now.
     waves: array<vec4f, 12>,
 }
@@ -88,20 +90,28 @@ fn value_noise(p: vec2f, layer: f32) -> f32 {
     return mix(north, south, s.y);
 }
 
-// Share of the surface at `p` that foam covers, over ground `depth` below, in pixels `width` wide.
-fn foam_at(p: vec2f, depth: f32, width: f32) -> f32 {
-    let near = clamp(1.0 - depth / water.background_and_foam.w, 0.0, 1.0);
+// Share of the surface at `p` that foam covers, over ground `depth` below that is `slope` steep, in pixels `width` wide, and so
+// much longer along the shore as the eye looks flatly at it: `away`.
+fn foam_at(p: vec2f, depth: f32, slope: f32, width: f32, away: f32) -> f32 {
+    // As deep as the ground is under a pixel's length. A fringe that is narrower than a pixel is as wide as one, and as much
+    // fainter: no line of dashes along far shores.
+    let deepest = water.background_and_foam.w;
+    let covered = deepest + 1.5 * slope * width * away;
+    let near = clamp(1.0 - depth / covered, 0.0, 1.0);
     if near <= 0.0 {
         return 0.0;
     }
     let q = p / water.drift.z;
-    let broad = value_noise(q + water.drift.xx, 1.0);
-    let fine = value_noise(q * 2.7 - water.drift.xx, 2.0);
+    let broad = value_noise(q + water.foam_shift.xy, 1.0);
+    let fine = value_noise(q * 2.7 - water.foam_shift.yx, 2.0);
     let pattern = 0.6 * broad + 0.4 * fine;
+    // Not all of a shore lies in the swell.
+    let swell = smoothstep(0.25, 0.7, 0.65 * value_noise(q * 0.11, 5.0) + 0.35 * value_noise(q * 0.31, 6.0));
+    let faint = deepest / covered * (0.25 + 0.75 * swell) * 0.85;
     // The nearer the shore, the denser. Where flakes are smaller than pixels, their mean.
     let flakes = smoothstep(0.0, 0.25, near - pattern * 0.9);
     let blur = smoothstep(0.3, 1.0, width / water.drift.z);
-    return mix(flakes, near * near, blur);
+    return faint * mix(flakes, near * near * 0.7, blur);
 }
 #endif
 
@@ -114,7 +124,6 @@ const BUBBLE_PLACES: u32 = 10u;
 fn bubbles_along(origin: vec3f, direction: vec3f, reach: f32) -> f32 {
     let radius = water.foam_light_and_bubbles.w;
     let side = 8.0 * radius;
-    let rising = vec3f(0.0, water.drift.y, 0.0);
     var light = 0.0;
     var way = 16.0 * radius;
     var index = 0u;
@@ -124,12 +133,14 @@ fn bubbles_along(origin: vec3f, direction: vec3f, reach: f32) -> f32 {
         // Columns of bubbles do not rise in step.
         let column = floor(p.xz / side);
         let lift = hashed(vec3f(column, 3.0));
-        let q = (p - rising * (0.6 + 0.8 * lift)) / side + vec3f(0.0, lift, 0.0);
-        let cell = vec3f(column.x, floor(q.y), column.y);
-        let chance = hashed(cell + vec3f(17.0, 0.0, 5.0));
+        let tenths = 6.0 + floor(8.0 * lift);
+        let height = p.y / side - water.drift.y * (0.1 * tenths) + lift;
+        let row = floor(height);
+        // Begins anew after so many cells that the clock may (`render/water.rs`).
+        let chance = hashed(vec3f(column.x + 17.0, row - 540.0 * floor(row / 540.0), column.y + 5.0));
         let aside = 0.5 + 0.25 * vec2f(cos(chance * 97.0), sin(chance * 97.0));
-        let centre = vec3f(column.x + aside.x, cell.y + 0.5, column.y + aside.y);
-        let from_centre = vec3f(p.x / side, q.y, p.z / side) - centre;
+        let centre = vec3f(column.x + aside.x, row + 0.5, column.y + aside.y);
+        let from_centre = vec3f(p.x / side, height, p.z / side) - centre;
         // Nearest that the ray comes to the centre, in radii; a bubble is bright at its rim, and where it mirrors the sun.
         let past = from_centre - direction * dot(from_centre, direction);
         let size = (0.3 + 0.7 * chance) * 0.125;

@@ -10,10 +10,11 @@ pub mod flare;
 pub mod land;
 pub mod light;
 mod materials;
+pub mod motion;
 pub mod ramp;
 mod saved;
 pub mod sun;
-mod water;
+pub(crate) mod water;
 
 use std::path::PathBuf;
 

@@ -430,3 +430,93 @@ fn metres_deep_zooms_and_the_cube() {
         assert!(seen > 100);
     }
 }
+
+/// A sea without a bed to be seen, over which the eye looks towards low ground.
+fn dark_sea(map: &HeightField) -> Scene {
+    let extent = map.box_size(Some(0.3));
+    let eye = DVec3::new(0.5, 0.5, 0.9) * extent + DVec3::new(0.0, 0.02, 0.0);
+    let mut scene = sea(Camera { eye, yaw: 0.0, pitch: -25.0, fov: 40.0 }, 0.5);
+    (scene.terrain.height_scale, scene.water.clarity) = (Some(0.3), 2e-4);
+    scene
+}
+
+fn mean_difference(a: &RgbaImage, b: &RgbaImage) -> f64 {
+    let sum: u64 = a.pixels().zip(b.pixels()).map(|(a, b)| u64::from(a.0[1].abs_diff(b.0[1]))).sum();
+    sum as f64 / f64::from(a.width() * a.height())
+}
+
+/// What lies before the sky is seen in the water, too, and through its surface from below.
+#[test]
+fn the_water_mirrors_clouds_and_fog() {
+    let map = map_of(17, |x, z| f64::from(u8::from(x == 0 && z == 0)));
+    let mut renderer = renderer(&map);
+    let base = dark_sea(&map);
+    let mut under = base.clone();
+    under.water.clarity = 10.0;
+    let eye = DVec3::new(0.5, 0.1, 0.5);
+    under.camera = Some(Camera { eye, yaw: 0.0, pitch: 85.0, fov: 60.0 });
+    for (name, scene, least) in [("above", &base, 2.0), ("below", &under, 4.0)] {
+        let plain = draw(&mut renderer, scene);
+        let has_def =
+            |renderer: &Renderer| renderer.ledger().pipelines.iter().any(|name| name.contains("WATER_CLOUDS"));
+        assert!(name == "below" || !has_def(&renderer), "{name}: absent where there are no clouds");
+        let mut cloudy = scene.clone();
+        (cloudy.clouds.enabled, cloudy.clouds.cover) = (true, 0.9);
+        let clouds = draw(&mut renderer, &cloudy);
+        assert!(has_def(&renderer), "{name}");
+        let by_clouds = mean_difference(&plain, &clouds);
+        println!("{name}: clouds change bytes by {by_clouds:.1} in the mean");
+        assert!(by_clouds > least, "{name}: {by_clouds}");
+        cloudy.clouds.time = 900.0;
+        assert!(changed(&clouds, &draw(&mut renderer, &cloudy)).len() > 100, "{name}: they move");
+    }
+    // Right over the surface there is no fog between it and the eye: what changes is the mirror.
+    let mut low = base.clone();
+    let camera = low.camera.as_mut().unwrap();
+    (camera.eye.y, camera.pitch) = (0.15 + 1e-5, -20.0);
+    let clear = draw(&mut renderer, &low);
+    low.air.fog = true;
+    (low.air.fog_density, low.air.fog_base, low.air.fog_scale) = (2.0, 1600.0, 100.0);
+    let by_fog = mean_difference(&clear, &draw(&mut renderer, &low));
+    println!("fog changes bytes by {by_fog:.1} in the mean");
+    assert!(by_fog > 2.0);
+}
+
+/// The sun glitters where it is seen from the water, and only there.
+#[test]
+fn hills_hide_the_suns_glint() {
+    // A wall in the north of the western half.
+    let map = map_of(33, |x, z| f64::from(u8::from(x < 16 && (4..6).contains(&z))));
+    let extent = map.box_size(Some(0.3));
+    let mut renderer = renderer(&map);
+    let mut scene = dark_sea(&map);
+    (scene.water.reflection, scene.water.waves, scene.skybox.enabled) = (false, 1.0, false);
+    (scene.lighting.sun_azimuth, scene.lighting.sun_elevation) = (0.0, 30.0);
+    (scene.lighting.diffuse, scene.lighting.ambient) = (1.5, 0.1);
+    let eye = DVec3::new(0.5, 0.4, 0.9);
+    scene.camera = Some(Camera::look_at(eye, DVec3::new(0.5, 0.15, 0.35), 50.0));
+    let free = draw(&mut renderer, &scene);
+    scene.lighting.shadows = relief::scene::light::Shadows::Hard;
+    let shaded = draw(&mut renderer, &scene);
+    let paths = renderer.probe_water(&scene, SIZE).unwrap();
+    let (surface, sun) = (Surface::new(&map, extent), scene.lighting.sun_direction());
+    let (mut dark, mut lit, mut wrong) = (0, 0, 0);
+    for (index, path) in paths.iter().enumerate() {
+        let (x, y) = (index as u32 % SIZE[0], index as u32 / SIZE[0]);
+        let Some(WaterPath { begins_in_water: false, first: LegEnd::At(first), .. }) = path else { continue };
+        let ray = scene.camera.unwrap().ray(f64::from(x) + 0.5, f64::from(y) + 0.5, SIZE);
+        let direction = ray.direction.normalize();
+        if surface.intersect(&Ray { direction, ..ray }).is_some_and(|hit| hit.depth < f64::from(*first)) {
+            continue;
+        }
+        let origin = ray.origin + direction * (f64::from(*first) - 1e-5);
+        let hidden = surface.intersect(&Ray { origin, direction: sun }).is_some();
+        let (free, shaded) = (free.get_pixel(x, y).0[1], shaded.get_pixel(x, y).0[1]);
+        // A glitter that shows.
+        dark += u32::from(hidden && free > shaded + 10);
+        lit += u32::from(!hidden && shaded > 100);
+        wrong += u32::from(!hidden && free.abs_diff(shaded) > 1);
+    }
+    println!("{dark} pixels without the glint that they had, {lit} with it, {wrong} wrong");
+    assert!(dark > 100 && lit > 100 && wrong <= 4, "{dark}, {lit}, {wrong}");
+}

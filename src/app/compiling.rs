@@ -14,7 +14,7 @@ use super::window::UserEvent;
 use super::{cones, measure};
 use crate::gpu::ShaderError;
 use crate::render::{Compilation, Compiled, RenderError, Renderer};
-use crate::scene::Scene;
+use crate::scene::{CloudSource, Scene};
 
 /// How long pipelines wait for the notice to be on screen: a hidden window never shows it.
 const NOTICE_PATIENCE: Duration = Duration::from_millis(500);
@@ -193,7 +193,7 @@ fn no_compiler(reason: &str) -> RenderError {
 
 /// Scenes that `shown`'s pipelines can draw in place of `wanted`, the nearest to it first. The eye is always where it is
 /// wanted.
-fn stand_ins(wanted: &Scene, shown: &Scene) -> [Scene; 3] {
+fn stand_ins(wanted: &Scene, shown: &Scene) -> [Scene; 4] {
     let mut near = wanted.clone();
     (near.march, near.debug) = (shown.march.clone(), shown.debug.clone());
     (near.compare.enabled, near.compare.technique) = (shown.compare.enabled, shown.compare.technique);
@@ -211,11 +211,14 @@ fn stand_ins(wanted: &Scene, shown: &Scene) -> [Scene; 3] {
     near.skybox.faces.clone_from(&shown.skybox.faces);
     near.diffuse.file.clone_from(&shown.diffuse.file);
     near.occluder.enabled = shown.occluder.enabled;
+    // Clouds of a map whose pattern is still being found.
+    let mut noisy = near.clone();
+    noisy.clouds.source = CloudSource::Noise;
     // Where the craters need pipelines, too, the old ones stay.
     let far = Scene { craters: shown.craters.clone(), ..near.clone() };
     // A sun that has just set needs other pipelines, too, and whatever is forgotten here: only the eye is new.
     let farthest = Scene { camera: wanted.camera, ..shown.clone() };
-    [near, far, farthest]
+    [near, noisy, far, farthest]
 }
 
 /// `scene` as it can be drawn at once in a picture of `size` pixels: with the settings of `shown`, the scene drawn last, while

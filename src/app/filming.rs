@@ -19,6 +19,7 @@ use crate::gpu::{Gpu, ReadbackError, Target};
 use crate::heightfield::HeightField;
 use crate::render::{Baking, RenderError, Renderer};
 use crate::scene::Scene;
+use crate::scene::motion::FilmClocks;
 
 /// Pictures that wait for the encoder at most.
 const WAITING: usize = 2;
@@ -33,6 +34,9 @@ const TELL: Duration = Duration::from_millis(150);
 pub(super) struct Film {
     scene: Scene,
     track: Track,
+    /// Where water and clouds are when it begins; seconds from picture to picture.
+    clocks: FilmClocks,
+    step: f64,
     target: Target,
     /// The window's scene goes on meanwhile, with a sun of its own.
     baking: Baking,
@@ -72,6 +76,7 @@ impl Film {
     fn draw(&mut self, renderer: &mut Renderer, map: &HeightField) -> Result<RgbaImage, RenderError> {
         let share = f64::from(self.drawn) / f64::from((self.count - 1).max(1));
         self.scene.camera = Some(self.track.at(self.track.seconds() * share));
+        self.clocks.set(&mut self.scene, self.step * f64::from(self.drawn));
         renderer.swap_baking(&mut self.baking);
         let drawn = renderer.time(&self.scene, &self.target);
         renderer.swap_baking(&mut self.baking);
@@ -180,6 +185,8 @@ impl Viewer {
                     stamp: stamps.then(|| Stamp::new(&graphics.gpu)),
                     scene: self.scene.clone(),
                     track,
+                    clocks: FilmClocks::of(&self.scene),
+                    step: 1.0 / f64::from(self.view.path.per_second),
                     target: Target::new(&graphics.gpu, size),
                     baking: Baking::default(),
                     count,

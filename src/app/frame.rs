@@ -335,7 +335,7 @@ impl Viewer {
                 }
                 self.shown = Some(visible.clone());
                 let shown = |name: &str| graphics.renderer.ledger().passes.iter().any(|pass| pass == name);
-                (self.occluder_seen, self.water_seen) = (shown("occluder"), shown("water"));
+                (self.occluder_seen, self.motion) = (shown("occluder"), graphics.renderer.motion());
                 let subject = Subject::of(&visible, graphics.renderer.ledger(), graphics.target.size());
                 self.meter.scene_was_drawn(subject, now);
                 self.drawn = Some(visible);

@@ -22,7 +22,7 @@ pub(crate) fn legible(ctx: &Context) {
 /// Draws a line around the control that has the keyboard: a header's brighter text, or a slider's thicker handle, is easily
 /// missed. To be called once all is drawn.
 pub(crate) fn focus_ring(ctx: &Context) {
-    let focused = ctx.memory(|memory| memory.focused());
+    let focused = ctx.memory(egui::Memory::focused);
     let Some(response) = focused.and_then(|id| ctx.read_response(id)) else { return };
     // What is scrolled out of view has none.
     if response.interact_rect.is_positive() {
@@ -97,7 +97,7 @@ mod tests {
                 ];
                 match focused {
                     Some(index) => controls[index].request_focus(),
-                    None => ui.memory_mut(|memory| memory.stop_text_input()),
+                    None => ui.memory_mut(egui::Memory::stop_text_input),
                 }
                 rects = controls.iter().map(|control| control.interact_rect).collect();
                 focus_ring(ui.ctx());

@@ -20,9 +20,9 @@ impl Viewer {
         lighting.clock.runs() && (lighting.enabled || skybox.enabled || land.hillshade == Hillshade::Sun)
     }
 
-    /// Whether clouds move where the picture shows them, or their shadows.
+    /// Whether clouds move where the picture shows them, or their shadows; they rest for who wants less motion.
     pub(super) fn clouds_move(&self) -> bool {
-        self.scene.clouds.runs() && crate::render::shows_air(&self.scene)
+        self.scene.clouds.runs() && self.motion.clouds && !self.reduces_motion()
     }
 
     /// Whether the occluder turns. It rests while it is out of view: nobody would see it, and no frame is drawn.
@@ -32,6 +32,6 @@ impl Viewer {
 
     /// Whether the water moves: it rests while it is out of view, and for who wants less motion.
     pub(super) fn flows(&self) -> bool {
-        self.scene.water.runs() && self.water_seen && !self.reduces_motion()
+        self.scene.water.runs() && self.motion.water && !self.reduces_motion()
     }
 }

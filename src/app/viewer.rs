@@ -115,8 +115,8 @@ pub(crate) struct Viewer {
     pub(super) prepared: bool,
     /// The last picture had the occluder in it.
     pub(super) occluder_seen: bool,
-    /// Whether the last picture showed water.
-    pub(super) water_seen: bool,
+    /// What of the last picture water's and clouds' clocks move.
+    pub(super) motion: crate::render::Motion,
     /// When the water last moved.
     pub(super) flowed: Option<Instant>,
     /// The last time that the clock went on, while it runs.
@@ -219,7 +219,7 @@ impl Viewer {
             last_good: None,
             prepared: false,
             occluder_seen: false,
-            water_seen: false,
+            motion: crate::render::Motion::default(),
             flowed: None,
             ran: None,
             spun: None,

@@ -9,6 +9,7 @@ use super::render::Easel;
 use super::terrain::{self, Source};
 use crate::animation::{AnimationWriter, Kind};
 use crate::camera_path::{CameraPath, PathFileError};
+use crate::scene::motion::FilmClocks;
 use crate::scene_file;
 
 /// Draws the way of `path` into the folder or the file that `args` names.
@@ -31,9 +32,11 @@ pub(super) fn run(args: &RenderArgs, path: &Path) -> Result<(), Failure> {
     terrain::warn_of(&scene, &map.field);
     let mut easel = Easel::new(gpu, scene, map.field, args.size)?;
     let progress = Progress::start("drawing the path").with_time_left();
+    let clocks = FilmClocks::of(&easel.scene);
     for picture in 0..count {
         let share = f64::from(picture) / f64::from(count - 1);
         easel.scene.camera = Some(track.at(track.seconds() * share));
+        clocks.set(&mut easel.scene, f64::from(picture) / f64::from(args.frames_per_second));
         easel.frame()?;
         writer.push(&easel.picture()?)?;
         progress.set(share as f32);

@@ -8,10 +8,12 @@ use super::air::{AirKey, extinction};
 use super::clouds::{ShadowPlace, shadow_twin};
 use super::*;
 use crate::camera::{Camera, NamedView};
+use crate::heightfield::generate::{Kind, generate};
 use crate::heightfield::load;
 use crate::heightfield::reference::Surface;
 use crate::scene::air::Kilometres;
 use crate::scene::light::SkyModel;
+use crate::scene::{CloudSource, LevelUnit};
 
 const SIZE: [u32; 2] = [96, 60];
 
@@ -173,4 +175,136 @@ fn cloud_shadows_lie_along_the_suns_rays() {
         assert!(off.len() > 1000 && dark > 50, "{} pixels, {dark} dark", off.len());
         assert!(median < 0.01 && p99 < 0.06, "off by {median} in the median, {p99} at p99");
     }
+}
+
+/// What a frame has not drawn because it failed the next one draws.
+#[test]
+fn a_frame_that_fails_leaves_its_cloud_shadows_to_the_next() {
+    let gpu = Gpu::headless().unwrap();
+    let mut renderer = Renderer::new(Arc::clone(&gpu)).unwrap();
+    renderer.set_terrain(Arc::new(generate(Kind::Ridged, 33, 3))).unwrap();
+    let target = Target::new(&gpu, [16, 10]);
+    let mut scene = Scene::default();
+    (scene.clouds.enabled, scene.clouds.shadows) = (true, true);
+    // The map has no metres: this is found out after the clouds were made ready.
+    (scene.water.enabled, scene.water.level, scene.water.levels) = (true, Some(10.0), LevelUnit::Metres);
+    renderer.draw(&scene, &target).unwrap_err();
+    scene.water.enabled = false;
+    let mut draws_shadows = || {
+        renderer.draw(&scene, &target).unwrap();
+        renderer.ledger().passes.iter().any(|pass| pass == "cloud shadows")
+    };
+    assert!(draws_shadows());
+    assert!(!draws_shadows(), "once");
+}
+
+/// Only a look that could see something else walks towards the sun again.
+#[test]
+fn the_sun_is_looked_for_when_eye_sun_or_ground_have_changed() {
+    let gpu = Gpu::headless().unwrap();
+    let mut renderer = Renderer::new(Arc::clone(&gpu)).unwrap();
+    let map = Arc::new(generate(Kind::Ridged, 33, 3));
+    renderer.set_terrain(Arc::clone(&map)).unwrap();
+    let target = Target::new(&gpu, [16, 10]);
+    let mut scene = Scene::default();
+    (scene.flare.enabled, scene.lighting.sun_azimuth, scene.lighting.sun_elevation) = (true, 0.0, 30.0);
+    scene.camera = Some(Camera { eye: DVec3::new(0.5, 2.0, 0.5), yaw: 0.0, pitch: 25.0, fov: 60.0 });
+    let mut flares = |scene: &Scene| {
+        renderer.draw(scene, &target).unwrap();
+        let flares = renderer.ledger().passes.iter().any(|pass| pass == "flare");
+        // What is kept is wrong from now on: who believes it shows no flare.
+        renderer.atmosphere.sun_look.as_mut().unwrap().pretend(0.0);
+        flares
+    };
+    assert!(flares(&scene));
+    assert!(!flares(&scene), "kept");
+    scene.air.perspective = true;
+    assert!(!flares(&scene), "the air does not matter");
+    scene.camera.as_mut().unwrap().yaw = 5.0;
+    assert!(!flares(&scene), "nor does where the eye looks");
+    scene.camera.as_mut().unwrap().eye.x = 0.51;
+    assert!(flares(&scene), "the eye has moved");
+    scene.lighting.sun_elevation = 31.0;
+    assert!(flares(&scene), "the sun has moved");
+    scene.craters.list.push(scene.craters.brush_at(0.5, 0.5));
+    assert!(flares(&scene), "the ground has changed");
+    scene.occluder.enabled = true;
+    assert!(flares(&scene), "the occluder might be before it");
+}
+
+/// The pattern that a frame would have to find in the map is found beside it, once.
+#[test]
+fn the_pattern_of_a_map_is_found_beside_the_frames() {
+    let gpu = Gpu::headless().unwrap();
+    let mut renderer = Renderer::new(Arc::clone(&gpu)).unwrap();
+    let target = Target::new(&gpu, [16, 10]);
+    let mut scene = Scene::default();
+    (scene.clouds.enabled, scene.clouds.source) = (true, CloudSource::Map);
+    let mut pictures = Vec::new();
+    for seed in [3, 4] {
+        let map = Arc::new(generate(Kind::Ridged, 33, seed));
+        renderer.set_terrain(Arc::clone(&map)).unwrap();
+        let missing = renderer.missing_pipelines(&scene, target.size(), false).expect("its pattern");
+        renderer.set_compiled(missing.build(&|| true).unwrap());
+        assert!(renderer.missing_pipelines(&scene, target.size(), false).is_none());
+        renderer.draw(&scene, &target).unwrap();
+        assert!(renderer.missing_pipelines(&scene, target.size(), false).is_none(), "on the GPU");
+        pictures.push(target.read_color(&gpu).unwrap());
+        let mut alone = Renderer::new(Arc::clone(&gpu)).unwrap();
+        alone.set_terrain(map).unwrap();
+        alone.draw(&scene, &target).unwrap();
+        assert!(target.read_color(&gpu).unwrap() == pictures[pictures.len() - 1], "as a frame finds it itself");
+    }
+    assert!(pictures[0] != pictures[1]);
+}
+
+/// A clock asks for frames only where what it moves is in view.
+#[test]
+fn only_what_is_in_view_moves() {
+    let gpu = Gpu::headless().unwrap();
+    let mut renderer = Renderer::new(Arc::clone(&gpu)).unwrap();
+    let map = Arc::new(generate(Kind::Perlin, 33, 5));
+    renderer.set_terrain(Arc::clone(&map)).unwrap();
+    let target = Target::new(&gpu, [16, 10]);
+    let extent = map.box_size(None);
+    let mut motion = |scene: &Scene| {
+        renderer.draw(scene, &target).unwrap();
+        renderer.motion()
+    };
+    let (u, v) = map.lowest_interior();
+    let over = Camera { eye: DVec3::new(u, 0.8, v) * extent, yaw: 0.0, pitch: -60.0, fov: 50.0 };
+    let under = Camera { eye: DVec3::new(u, 0.3, v) * extent, pitch: 0.0, ..over };
+    let mut sea = Scene { camera: Some(over), ..Scene::default() };
+    (sea.water.enabled, sea.water.level, sea.water.foam, sea.water.waves) = (true, Some(0.6), 0.0, 0.0);
+    let with = |change: &dyn Fn(&mut Scene), camera| {
+        let mut scene = Scene { camera: Some(camera), ..sea.clone() };
+        change(&mut scene);
+        scene
+    };
+    assert!(!motion(&with(&|_| {}, over)).water, "bubbles are not seen from above");
+    assert!(motion(&with(&|_| {}, under)).water);
+    assert!(!motion(&with(&|scene| scene.water.bubbles = false, under)).water, "nothing is left to move");
+    assert!(motion(&with(&|scene| scene.water.foam = 0.5, over)).water);
+    let foam = |scene: &mut Scene| (scene.water.foam, scene.water.bubbles) = (0.5, false);
+    assert!(!motion(&with(&foam, under)).water, "foam is not seen from below");
+    assert!(motion(&with(&|scene| scene.water.waves = 0.5, over)).water);
+    let away = Camera { eye: DVec3::new(0.5, 0.3, 3.0), yaw: 180.0, pitch: 0.0, fov: 50.0 };
+    assert!(!motion(&with(&|scene| scene.water.waves = 0.5, away)).water, "out of view");
+
+    let cloudy = |change: &dyn Fn(&mut Scene), pitch| {
+        let mut scene = Scene { camera: Some(Camera { pitch, ..over }), ..Scene::default() };
+        scene.clouds.enabled = true;
+        change(&mut scene);
+        scene
+    };
+    assert!(motion(&cloudy(&|_| {}, 40.0)).clouds);
+    assert!(!motion(&cloudy(&|_| {}, -60.0)).clouds, "above, and the eye looks down");
+    assert!(motion(&cloudy(&|scene| scene.clouds.shadows = true, -60.0)).clouds, "their shadows");
+    let late = |scene: &mut Scene| (scene.clouds.shadows, scene.lighting.sun_elevation) = (true, -5.0);
+    assert!(!motion(&cloudy(&late, -60.0)).clouds, "no sun, no shadows");
+    assert!(motion(&cloudy(&|scene| scene.water.enabled = true, -60.0)).clouds, "in the water");
+    let still = |scene: &mut Scene| scene.clouds.layers.iter_mut().for_each(|layer| layer.speed = 0.0);
+    assert!(!motion(&cloudy(&still, 40.0)).clouds);
+    let low = |scene: &mut Scene| scene.clouds.layers.iter_mut().for_each(|layer| layer.height = -500.0);
+    assert!(!motion(&cloudy(&low, 40.0)).clouds && motion(&cloudy(&low, -60.0)).clouds, "below");
 }

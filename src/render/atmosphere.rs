@@ -5,13 +5,15 @@ use std::sync::Arc;
 use glam::{DVec3, Vec3};
 
 use crate::gpu::{Gpu, Target};
-use crate::scene::Scene;
+use crate::heightfield::HeightField;
 use crate::scene::air::Kilometres;
 use crate::scene::clouds::MOST_CLOUD_LAYERS;
+use crate::scene::{CloudSource, Scene};
 
 use super::air::{self, AirBindings, AirKey, AirUniform};
+use super::cloud_pattern::MapPattern;
 use super::clouds::{self, Clouds, ShadowPlace};
-use super::flare::{self, FlareBindings};
+use super::flare::{self, FlareBindings, SunLook};
 use super::occluder;
 use super::pipelines::{Built, PipelineKey};
 use super::prepare::View;
@@ -26,11 +28,27 @@ pub(super) struct Atmosphere {
     pub(super) air: AirBindings,
     pub(super) clouds: Option<Clouds>,
     flare: Option<FlareBindings>,
+    /// How much of the sun was seen when it was last looked for.
+    pub(super) sun_look: Option<SunLook>,
+    /// Found for clouds that are to be cut from a map.
+    pattern: Option<MapPattern>,
 }
 
 impl Atmosphere {
     pub(super) fn new(gpu: &Gpu) -> Self {
-        Self { air: AirBindings::new(gpu), clouds: None, flare: None }
+        Self { air: AirBindings::new(gpu), clouds: None, flare: None, sun_look: None, pattern: None }
+    }
+
+    /// Keeps what was found elsewhere until clouds are made of it.
+    pub(super) fn keep_pattern(&mut self, pattern: MapPattern) {
+        self.pattern = Some(pattern);
+    }
+
+    /// The frame that draws the map of cloud shadows is on its way.
+    pub(super) fn shadow_was_drawn(&mut self) {
+        if let Some(clouds) = &mut self.clouds {
+            clouds.shadow_was_drawn();
+        }
     }
 
     /// What a key binds; `None` where a texture is missing.
@@ -68,7 +86,7 @@ impl AirPasses {
 }
 
 /// Whether `scene` shows clouds.
-fn shows_clouds(scene: &Scene) -> bool {
+pub(super) fn shows_clouds(scene: &Scene) -> bool {
     air::shows_air(scene) && scene.clouds.shown().next().is_some()
 }
 
@@ -94,6 +112,15 @@ pub(super) fn pipelines_of(scene: &Scene) -> Vec<PipelineKey> {
 }
 
 impl Renderer {
+    /// The map whose pattern the clouds of a picture of `scene` would have to find first.
+    pub(super) fn missing_pattern(&self, scene: &Scene) -> Option<Arc<HeightField>> {
+        let source = scene.clouds.source;
+        let map = self.ground.as_ref()?.terrain().base();
+        let is_there = self.atmosphere.clouds.as_ref().is_some_and(|clouds| clouds.matches(source, map))
+            || self.atmosphere.pattern.as_ref().is_some_and(|known| known.of(map).is_some());
+        (source == CloudSource::Map && shows_clouds(scene) && !is_there).then(|| Arc::clone(map))
+    }
+
     /// Brings the atmosphere up to date with a picture of `scene`; the skybox and the ground are.
     pub(super) fn prepare_air(&mut self, scene: &Scene, view: &View, size: [u32; 2], probe: bool) -> AirPasses {
         let Some(ground) = self.ground.as_ref().filter(|_| !probe) else { return AirPasses::default() };
@@ -105,7 +132,8 @@ impl Renderer {
         let mut passes = AirPasses { clouds: cloudy, ..AirPasses::default() };
         if cloudy {
             if !self.atmosphere.clouds.as_ref().is_some_and(|clouds| clouds.matches(scene.clouds.source, map)) {
-                let (clouds, uploaded) = Clouds::new(&self.gpu, scene.clouds.source, map);
+                let (clouds, uploaded) =
+                    Clouds::new(&self.gpu, scene.clouds.source, map, self.atmosphere.pattern.take());
                 self.uploaded += uploaded;
                 self.atmosphere.clouds = Some(clouds);
             }
@@ -116,7 +144,7 @@ impl Renderer {
                 passes.shadow = clouds.prepare(&self.gpu, &layers, key.shadows);
             }
         } else {
-            self.atmosphere.clouds = None;
+            (self.atmosphere.clouds, self.atmosphere.pattern) = (None, None);
         }
         if key.is_on() || cloudy {
             self.atmosphere.air.write(&self.gpu, &uniform);
@@ -138,10 +166,12 @@ impl Renderer {
         let place = flare::sun_in_picture(&view.camera, size, sun).filter(|_| may_flare(scene));
         let place = place.filter(|_| !self.is_under_water(scene, view));
         let (Some(place), Some(ground)) = (place, &self.ground) else {
-            self.atmosphere.flare = None;
+            (self.atmosphere.flare, self.atmosphere.sun_look) = (None, None);
             return false;
         };
-        let mut share = flare::visible_share(scene, ground.terrain().field(), view.extent, eye);
+        let look = SunLook::of(scene, ground.terrain(), view.extent, eye, self.atmosphere.sun_look.take());
+        let mut share = look.share();
+        self.atmosphere.sun_look = Some(look);
         share *= air::fog_before_sky(scene, km, eye.y, sun);
         if let Some(clouds) = self.atmosphere.clouds.as_ref().filter(|_| share > 0.0) {
             share *= clouds::before_sky(&clouds.pattern, scene, km, eye, sun);
@@ -180,7 +210,13 @@ impl Renderer {
                 let mut entries = clouds.layer_entries();
                 entries.extend([self.atmosphere.air.entry(), Clouds::depth_entry(&target.depth_view)]);
                 let group = bind(&self.gpu, &built, entries);
-                draws.over.push(Over { built, group, vertices: 3, instances: layers as u32, frame: true });
+                draws.over.push(Over {
+                    built,
+                    group,
+                    vertices: clouds::VERTICES,
+                    instances: layers as u32,
+                    frame: true,
+                });
             }
         }
         if passes.flare {
@@ -207,7 +243,7 @@ impl Renderer {
             return;
         };
         let load = wgpu::LoadOp::Clear(wgpu::Color::WHITE);
-        let mut pass = over_pass(encoder, "cloud shadows", view, load, timestamps);
+        let mut pass = over_pass(encoder, "cloud shadows", (view, None), load, timestamps);
         pass.set_pipeline(&built.pipeline);
         pass.set_bind_group(0, self.frame.group(built), &[]);
         pass.set_bind_group(1, group, &[]);
@@ -222,7 +258,11 @@ impl Renderer {
         target: &Target,
         timestamps: Option<wgpu::RenderPassTimestampWrites<'_>>,
     ) {
-        let mut pass = over_pass(encoder, "over the picture", &target.color_view, wgpu::LoadOp::Load, timestamps);
+        // Clouds are tested against the picture's depth, and read it, too: nobody writes.
+        let depth =
+            wgpu::RenderPassDepthStencilAttachment { view: &target.depth_view, depth_ops: None, stencil_ops: None };
+        let (view, load) = (&target.color_view, wgpu::LoadOp::Load);
+        let mut pass = over_pass(encoder, "over the picture", (view, Some(depth)), load, timestamps);
         for draw in &draws.over {
             pass.set_pipeline(&draw.built.pipeline);
             if draw.frame {
@@ -237,7 +277,7 @@ impl Renderer {
 fn over_pass<'a>(
     encoder: &'a mut wgpu::CommandEncoder,
     label: &str,
-    view: &wgpu::TextureView,
+    (view, depth_stencil_attachment): (&wgpu::TextureView, Option<wgpu::RenderPassDepthStencilAttachment<'_>>),
     load: wgpu::LoadOp<wgpu::Color>,
     timestamp_writes: Option<wgpu::RenderPassTimestampWrites<'_>>,
 ) -> wgpu::RenderPass<'a> {
@@ -249,6 +289,7 @@ fn over_pass<'a>(
             resolve_target: None,
             ops: wgpu::Operations { load, store: wgpu::StoreOp::Store },
         })],
+        depth_stencil_attachment,
         timestamp_writes,
         ..Default::default()
     })
@@ -261,7 +302,7 @@ fn background() -> AirLight {
 }
 
 /// Ends of the space in which clouds may shade something: the box, and the occluder.
-fn lit_space(scene: &Scene, map: &crate::heightfield::HeightField, extent: DVec3) -> (DVec3, DVec3) {
+fn lit_space(scene: &Scene, map: &HeightField, extent: DVec3) -> (DVec3, DVec3) {
     let (mut low, mut high) = (DVec3::ZERO, extent);
     if scene.occluder.enabled {
         let cube = occluder::world_from_cube(&scene.occluder, map, extent);

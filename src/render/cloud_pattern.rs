@@ -38,8 +38,27 @@ pub(super) fn of_noise() -> Arc<Pattern> {
     Arc::clone(&NOISE)
 }
 
+/// The pattern of a map.
+#[derive(Clone, Debug)]
+pub(super) struct MapPattern {
+    map: Arc<HeightField>,
+    pattern: Arc<Pattern>,
+}
+
+impl MapPattern {
+    /// Finds it, which takes some hundredths of a second: no frame should.
+    pub(super) fn new(map: &Arc<HeightField>) -> Self {
+        Self { map: Arc::clone(map), pattern: Arc::new(of_map(map)) }
+    }
+
+    /// The pattern, if it is that of `map`.
+    pub(super) fn of(&self, map: &Arc<HeightField>) -> Option<Arc<Pattern>> {
+        Arc::ptr_eq(&self.map, map).then(|| Arc::clone(&self.pattern))
+    }
+}
+
 /// The heights of `map`, mirrored, so that the pattern closes at its borders.
-pub(super) fn of_map(map: &HeightField) -> Pattern {
+fn of_map(map: &HeightField) -> Pattern {
     let half = (SIDE / 2) as f64;
     let mirrored = |at: usize| 1.0 - (at as f64 / half - 1.0).abs();
     Pattern::new(&|x, y| map.surface_height(mirrored(x), mirrored(y)) as f32)

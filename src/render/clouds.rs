@@ -7,18 +7,19 @@ use bytemuck::{Pod, Zeroable};
 use glam::swizzles::{Vec2Swizzles, Vec3Swizzles};
 use glam::{DVec2, DVec3};
 
-use crate::gpu::{COLOR_FORMAT, Gpu, sized_texture};
+use crate::gpu::{COLOR_FORMAT, DEPTH_COMPARE, Gpu, sized_texture};
 use crate::heightfield::HeightField;
 use crate::scene::air::Kilometres;
 use crate::scene::clouds::MOST_CLOUD_LAYERS;
 use crate::scene::{CloudSettings, CloudSource, Scene};
 
 use super::air::{self, AirKey, AirUniform};
-use super::cloud_pattern::{self, Pattern};
+use super::cloud_pattern::{self, MapPattern, Pattern};
 use super::frame::{sampler_entry, storage_buffer, storage_entry, texture_entry, without_subnormals};
 use super::ground::Texture;
 use super::ledger::TextureEntry;
 use super::pipelines::PassDescription;
+use super::prepare::View;
 
 /// Bindings.
 const SHADOW: u32 = 45;
@@ -81,7 +82,7 @@ pub(super) fn describe(air: AirKey) -> PassDescription {
         modules: vec!["frame.wgsl", "air.wgsl", "cloud_layers.wgsl"],
         defs,
         bindings: [storage_entry::<AirUniform>(air::AIR), depths].into_iter().chain(layer_entries()).collect(),
-        depth: None,
+        depth: Some((DEPTH_COMPARE, false)),
         blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
         format: COLOR_FORMAT,
         ..PassDescription::scene("clouds", "clouds.wgsl", false)
@@ -99,7 +100,7 @@ pub(super) fn describe_shadow() -> PassDescription {
     }
 }
 
-fn layer_entries() -> [wgpu::BindGroupLayoutEntry; 3] {
+pub(super) fn layer_entries() -> [wgpu::BindGroupLayoutEntry; 3] {
     [storage_entry::<CloudsUniform>(LAYERS), texture_entry(PATTERN, true, false), sampler_entry(PATTERN_SAMPLER)]
 }
 
@@ -260,6 +261,25 @@ pub(super) fn uniforms(
     without_subnormals(uniform)
 }
 
+/// Of a layer: two triangles over the rows of the picture in which it can be.
+pub(super) const VERTICES: u32 = 6;
+
+/// Sine of the elevation, up or down, up to which layers have faded away: `FADES` in `clouds.wgsl`.
+const FADED: f64 = 0.012;
+
+/// Whether a layer that moves is in view.
+pub(super) fn any_moving_in_view(scene: &Scene, km: Kilometres, view: &View) -> bool {
+    let [width, height] = view.size.map(f64::from);
+    // The camera does not roll: along a row the sine of the elevation is largest in the middle, and least at the ends.
+    let points = [0.0, 0.5, 1.0].map(|x| [0.0, 1.0].map(|y| DVec2::new(x * width, y * height)));
+    let sines = points.as_flattened().iter().map(|at| view.camera.ray(at.x, at.y, view.size).direction.normalize().y);
+    let (lowest, highest) = sines.fold((1.0f64, -1.0f64), |(low, high), sine| (low.min(sine), high.max(sine)));
+    scene.clouds.shown().filter(|layer| layer.speed != 0.0).any(|layer| {
+        let above = km.height_of(layer.height) > view.camera.eye.y;
+        if above { highest > FADED } else { lowest < -FADED }
+    })
+}
+
 /// Share of the light along a ray (a unit vector) that gets through the clouds before the sky.
 pub(super) fn before_sky(pattern: &Pattern, scene: &Scene, km: Kilometres, eye: DVec3, direction: DVec3) -> f64 {
     let depth: f64 = layers_of(&scene.clouds, km)
@@ -285,16 +305,26 @@ pub(super) struct Clouds {
     shadow_sampler: wgpu::Sampler,
     buffer: wgpu::Buffer,
     shadow: Option<Texture>,
-    /// What the map of shadows was drawn of.
-    pub(super) shadow_of: Option<CloudsUniform>,
+    /// What the map of shadows was drawn of, and what the frame under way draws it of.
+    shadow_of: Option<CloudsUniform>,
+    shadow_wanted: Option<CloudsUniform>,
 }
 
 impl Clouds {
-    /// For clouds over `map`; also the bytes uploaded.
-    pub(super) fn new(gpu: &Gpu, source: CloudSource, map: &Arc<HeightField>) -> (Self, u64) {
+    /// For clouds over `map`, whose pattern may be `known`; also the bytes uploaded.
+    pub(super) fn new(
+        gpu: &Gpu,
+        source: CloudSource,
+        map: &Arc<HeightField>,
+        known: Option<MapPattern>,
+    ) -> (Self, u64) {
         let (map, pattern) = match source {
             CloudSource::Noise => (None, cloud_pattern::of_noise()),
-            CloudSource::Map => (Some(Arc::clone(map)), Arc::new(cloud_pattern::of_map(map))),
+            CloudSource::Map => {
+                let known = known.and_then(|known| known.of(map));
+                let found = || MapPattern::new(map).of(map);
+                (Some(Arc::clone(map)), known.or_else(found).unwrap_or_else(cloud_pattern::of_noise))
+            }
         };
         let (texture, uploaded) = pattern.upload(gpu);
         let sampler = |label, address| {
@@ -322,6 +352,7 @@ impl Clouds {
             buffer: storage_buffer(gpu, "clouds", size_of::<CloudsUniform>()),
             shadow: None,
             shadow_of: None,
+            shadow_wanted: None,
         };
         (clouds, uploaded)
     }
@@ -339,7 +370,7 @@ impl Clouds {
     pub(super) fn prepare(&mut self, gpu: &Gpu, uniform: &CloudsUniform, casts: bool) -> bool {
         gpu.queue.write_buffer(&self.buffer, 0, bytemuck::bytes_of(uniform));
         if !casts {
-            (self.shadow, self.shadow_of) = (None, None);
+            (self.shadow, self.shadow_of, self.shadow_wanted) = (None, None, None);
             return false;
         }
         if self.shadow.is_none() {
@@ -350,8 +381,13 @@ impl Clouds {
         // The eye's height is no part of it.
         let mut wanted = *uniform;
         (wanted.count[1], wanted.order) = (0.0, [[0.0; 4]; 2]);
-        let known = self.shadow_of.replace(wanted);
-        known != Some(wanted)
+        self.shadow_wanted = Some(wanted);
+        self.shadow_of != self.shadow_wanted
+    }
+
+    /// The frame that draws the map of shadows is on its way. One that fails before leaves it to be drawn by the next.
+    pub(super) fn shadow_was_drawn(&mut self) {
+        self.shadow_of = self.shadow_wanted;
     }
 
     /// What the passes of clouds and shadows bind of the layers.

@@ -1,10 +1,12 @@
-//! Pipelines that are built and images that are read away from the frame, on another thread: no frame waits for a compiler
-//! or a decoder.
+//! Pipelines that are built, images that are read and patterns that are found away from the frame, on another thread: no frame
+//! waits for a compiler or a decoder.
 
 use std::sync::Arc;
 
 use crate::gpu::{Gpu, ShaderError, ShaderSources};
+use crate::heightfield::HeightField;
 
+use super::cloud_pattern::{self, MapPattern};
 use super::frame::FrameBindings;
 use super::images::{Decoded, ImageFile};
 use super::materials;
@@ -18,13 +20,16 @@ pub(crate) struct Compilation {
     frame: FrameBindings,
     keys: Vec<PipelineKey>,
     images: Vec<ImageFile>,
+    /// The map that clouds are to be cut from.
+    pattern: Option<Arc<HeightField>>,
 }
 
 /// The same pipelines of the same sources and the same images, on the same device.
 impl PartialEq for Compilation {
     fn eq(&self, other: &Self) -> bool {
         let same_made_of = Arc::ptr_eq(&self.gpu, &other.gpu) && Arc::ptr_eq(&self.sources, &other.sources);
-        same_made_of && self.keys == other.keys && self.images == other.images
+        let map = |own: &Self| own.pattern.as_ref().map(Arc::as_ptr);
+        same_made_of && self.keys == other.keys && self.images == other.images && map(self) == map(other)
     }
 }
 
@@ -35,11 +40,12 @@ impl Compilation {
         frame: &FrameBindings,
         keys: Vec<PipelineKey>,
         images: Vec<ImageFile>,
+        pattern: Option<Arc<HeightField>>,
     ) -> Self {
-        Self { gpu: Arc::clone(gpu), sources: Arc::clone(sources), frame: frame.clone(), keys, images }
+        Self { gpu: Arc::clone(gpu), sources: Arc::clone(sources), frame: frame.clone(), keys, images, pattern }
     }
 
-    /// Whether it only reads images: nothing is compiled.
+    /// Whether it only reads images and maps: nothing is compiled.
     pub(crate) fn is_only_images(&self) -> bool {
         self.keys.is_empty()
     }
@@ -61,13 +67,18 @@ impl Compilation {
             if ground.is_some_and(|key| key.materials.on) {
                 materials::make_ready();
             }
+            if matches!(key, PipelineKey::Clouds(_) | PipelineKey::CloudShadow) {
+                cloud_pattern::of_noise();
+            }
             let built = build(&self.gpu, &self.sources, &self.frame.layout, key.describe())?;
             Ok((key, Arc::new(built)))
         });
         let built = built.collect::<Result<_, ShaderError>>()?;
         let largest = self.gpu.capabilities.max_texture;
         let images = self.images.iter().take_while(|_| go_on()).map(|file| (file.clone(), file.read(largest)));
-        Ok(Compiled { built, images: images.collect(), compilation: self.clone() })
+        let images = images.collect();
+        let map = self.pattern.as_ref().filter(|_| go_on());
+        Ok(Compiled { built, images, pattern: map.map(MapPattern::new), compilation: self.clone() })
     }
 }
 
@@ -76,6 +87,7 @@ impl Compilation {
 pub(crate) struct Compiled {
     built: Vec<(PipelineKey, Arc<Built>)>,
     images: Vec<(ImageFile, Result<Decoded, String>)>,
+    pattern: Option<MapPattern>,
     compilation: Compilation,
 }
 
@@ -83,6 +95,11 @@ impl Compiled {
     /// The images, or what is wrong with them.
     pub(super) fn take_images(&mut self) -> Vec<(ImageFile, Result<Decoded, String>)> {
         std::mem::take(&mut self.images)
+    }
+
+    /// The pattern for clouds.
+    pub(super) fn take_pattern(&mut self) -> Option<MapPattern> {
+        self.pattern.take()
     }
 
     /// The pipelines, if they are made of `sources`.
@@ -100,7 +117,7 @@ mod tests {
     use crate::render::RenderError;
     use crate::render::Renderer;
     use crate::scene::light::{Shadows, SkyModel};
-    use crate::scene::{ColourSource, CraterMode, DebugView, GroundColour, Hillshade, Scene, Technique};
+    use crate::scene::{CloudSource, ColourSource, CraterMode, DebugView, GroundColour, Hillshade, Scene, Technique};
 
     /// Scenes of which each needs other pipelines.
     fn scenes() -> Vec<Scene> {
@@ -137,6 +154,10 @@ mod tests {
                 (scene.air.perspective, scene.air.fog, scene.flare.enabled) = (true, true, true);
                 (scene.clouds.enabled, scene.clouds.shadows) = (true, true);
                 (scene.water.enabled, scene.occluder.enabled) = (true, true);
+            },
+            &|scene| {
+                (scene.clouds.enabled, scene.clouds.source) = (true, CloudSource::Map);
+                scene.water.enabled = true;
             },
             &|scene| {
                 (scene.land.hillshade, scene.land.contours) = (Hillshade::Multidirectional, true);

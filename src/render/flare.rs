@@ -3,13 +3,15 @@
 //! The sun's disc is looked for in f64 on the CPU, by exact walks from the eye to points that are spread evenly over it: a
 //! flare costs no pass where the sun is hidden or beside the picture.
 
+use std::sync::Arc;
+
 use bytemuck::{Pod, Zeroable};
 use glam::{DMat4, DVec2, DVec3, Vec3};
 
 use crate::camera::{Camera, Ray};
 use crate::gpu::{COLOR_FORMAT, Gpu};
-use crate::heightfield::HeightField;
 use crate::heightfield::reference::Surface;
+use crate::heightfield::{Crater, EditedTerrain, HeightField};
 use crate::scene::Scene;
 
 use super::frame::{storage_buffer, storage_entry, without_subnormals};
@@ -48,7 +50,8 @@ pub(super) fn describe() -> PassDescription {
         modules: Vec::new(),
         bindings: vec![storage_entry::<FlareUniform>(0)],
         frame: false,
-        depth: None,
+        // Its pass has the picture's depth for the clouds.
+        depth: Some((wgpu::CompareFunction::Always, false)),
         blend: Some(wgpu::BlendState { color: add, alpha: keep }),
         format: COLOR_FORMAT,
         ..PassDescription::scene("flare", "flare.wgsl", false)
@@ -83,7 +86,7 @@ pub(super) fn sun_in_picture(camera: &Camera, size: [u32; 2], sun: DVec3) -> Opt
 }
 
 /// Share of the sun's disc that neither `field`, in a box of the size `extent`, nor the occluder hides from `eye`.
-pub(super) fn visible_share(scene: &Scene, field: &HeightField, extent: DVec3, eye: DVec3) -> f64 {
+fn visible_share(scene: &Scene, field: &HeightField, extent: DVec3, eye: DVec3) -> f64 {
     let sun = scene.lighting.sun_direction();
     let surface = Surface::new(field, extent);
     let cube_from_world =
@@ -99,6 +102,52 @@ pub(super) fn visible_share(scene: &Scene, field: &HeightField, extent: DVec3, e
         direction.y > 0.0 && !hidden_by_cube && surface.intersect(&Ray { origin: eye, direction }).is_none()
     };
     f64::from((0..POINTS).filter(is_seen).count() as u32) / f64::from(POINTS)
+}
+
+/// How much of the sun was seen, and of what that was found. The walks of a look on a large map take milliseconds: while neither
+/// eye, sun, ground nor occluder moves, clouds and fog may, and need no other look.
+#[derive(Debug)]
+pub(super) struct SunLook {
+    eye: DVec3,
+    sun: DVec3,
+    extent: DVec3,
+    map: Arc<HeightField>,
+    craters: Vec<Crater>,
+    cube: Option<DMat4>,
+    share: f64,
+}
+
+impl SunLook {
+    /// Looks for the sun of `scene` from `eye`, unless `last` has seen the same.
+    pub(super) fn of(scene: &Scene, terrain: &EditedTerrain, extent: DVec3, eye: DVec3, last: Option<Self>) -> Self {
+        let (sun, map) = (scene.lighting.sun_direction(), terrain.base());
+        let cube = scene.occluder.enabled.then(|| occluder::world_from_cube(&scene.occluder, map, extent));
+        let same = |last: &Self| {
+            Arc::ptr_eq(&last.map, map)
+                && (last.eye, last.sun, last.extent, last.cube) == (eye, sun, extent, cube)
+                && last.craters == terrain.craters()
+        };
+        last.filter(same).unwrap_or_else(|| Self {
+            eye,
+            sun,
+            extent,
+            map: Arc::clone(map),
+            craters: terrain.craters().to_vec(),
+            cube,
+            share: visible_share(scene, terrain.field(), extent, eye),
+        })
+    }
+
+    /// Share of the sun's disc that neither ground nor occluder hides.
+    pub(super) fn share(&self) -> f64 {
+        self.share
+    }
+
+    /// Pretends to have seen another share.
+    #[cfg(test)]
+    pub(super) fn pretend(&mut self, share: f64) {
+        self.share = share;
+    }
 }
 
 fn meets_unit_cube(to_cube: DMat4, eye: DVec3, direction: DVec3) -> bool {

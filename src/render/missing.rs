@@ -25,9 +25,10 @@ impl Renderer {
         let terrains: Vec<_> =
             keys.iter().filter_map(|key| if let PipelineKey::Terrain(key) = key { Some(*key) } else { None }).collect();
         let images = if probe { Vec::new() } else { self.missing_images(scene, &terrains) };
+        let pattern = self.missing_pattern(scene).filter(|_| !probe);
         keys.retain(|&key| !self.pipelines.has(key));
-        let missing = !(keys.is_empty() && images.is_empty());
-        missing.then(|| Compilation::new(&self.gpu, self.pipelines.sources(), &self.frame, keys, images))
+        let missing = !(keys.is_empty() && images.is_empty() && pattern.is_none());
+        missing.then(|| Compilation::new(&self.gpu, self.pipelines.sources(), &self.frame, keys, images, pattern))
     }
 
     /// The pipelines of a frame, also of what is out of view: it may come into view any moment.

@@ -38,6 +38,7 @@ mod loops_tests;
 mod materials;
 mod mips;
 mod missing;
+mod motion;
 #[cfg(test)]
 mod needs_tests;
 mod occluder;
@@ -66,12 +67,12 @@ use crate::heightfield::colour::Diffuse;
 use crate::heightfield::{EditedTerrain, HeightField};
 use crate::scene::{DebugView, Scene};
 
-pub(crate) use air::shows_air;
 pub use cones::ConeGround;
 pub use error::RenderError;
 pub use heat_map::{COVERS_SKY, ERROR_DECADES, SEE_THROUGH, SKY_BOTH, error_colour, heat_map_colour};
 pub use ledger::{Ledger, TextureEntry};
 pub use light_map::Baking;
+pub use motion::Motion;
 pub use probe::Probe;
 pub use water::{LegEnd, WaterPath};
 
@@ -135,6 +136,8 @@ pub struct Renderer {
     shown: Vec<(String, u32)>,
     /// Bytes uploaded since the last scene frame.
     uploaded: u64,
+    /// What clocks move of the last picture.
+    motion: Motion,
     /// Walks every ray from where it enters the box, to compare.
     #[cfg(test)]
     whole_rays: bool,
@@ -199,6 +202,7 @@ impl Renderer {
             ledger: Ledger::default(),
             shown: Vec::new(),
             uploaded: 0,
+            motion: Motion::default(),
             #[cfg(test)]
             whole_rays: false,
             gpu,
@@ -336,6 +340,9 @@ impl Renderer {
             counter.resolve(&mut encoder);
         }
         self.timer.submit(&self.gpu, encoder);
+        if passes.air.shadow {
+            self.atmosphere.shadow_was_drawn();
+        }
         self.note_frame(&passes, target);
         self.check_device()
     }
@@ -398,6 +405,9 @@ impl Renderer {
     /// of no use and not kept.
     pub(crate) fn set_compiled(&mut self, mut compiled: Compiled) {
         self.images.keep(compiled.take_images());
+        if let Some(pattern) = compiled.take_pattern() {
+            self.atmosphere.keep_pattern(pattern);
+        }
         if let Some(built) = compiled.made_of(self.pipelines.sources()) {
             self.pipelines.add(built);
         }

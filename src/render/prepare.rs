@@ -172,6 +172,7 @@ impl Renderer {
             draws.push(Draw { name: "skybox", built, group, edges: false, area: whole });
         }
         if !probe {
+            self.motion = self.motion_of(scene, &view, &draws);
             self.images.age();
         }
         Ok(Passes { light_map, beams, exact, draws, air, anchors })

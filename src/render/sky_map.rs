@@ -92,21 +92,27 @@ struct Physical {
     sky: Daylight,
     light: SkyLight,
     sun: Vec3,
+    /// Light of the plain around the map.
+    plain: Vec3,
 }
 
 impl Physical {
     fn new(sun: Vec3, turbidity: f64) -> Self {
         let sky = Daylight::new(sun.as_dvec3(), turbidity);
-        Self { light: sky.light(), sky, sun }
+        let light = sky.light();
+        let from_above = light.harmonics[0] + light.harmonics[1] - light.harmonics[6] - light.harmonics[8];
+        let plain = (from_above + light.sun * f64::from(sun.y.max(0.0))).as_vec3() * PLAIN;
+        Self { light, sky, sun, plain }
     }
 
     /// Linear light from `direction` (unit length), whatever the brightness below white.
     fn colour(&self, direction: Vec3) -> Vec3 {
-        // Below the horizon: the haze over it, darker.
         let level = DVec3::new(direction.x.into(), f64::from(direction.y).max(0.0), direction.z.into());
         let mut light = (self.sky.sky(level.normalize_or(DVec3::Y)) * self.light.exposure).as_vec3();
+        // Below the horizon a plain, the farther the more of the haze before it: no edge where it meets the sky.
+        let plain = self.plain.lerp(light, 0.12);
+        light = light.lerp(plain, if direction.y < 0.0 { (PLAIN_HAZE / direction.y).exp() } else { 0.0 });
         let below = (-direction.y * 12.0).clamp(0.0, 1.0);
-        light *= 1.0 - 0.55 * below;
         // The true disc is three texels wide; its brightness spreads into what the model has around it.
         let angle = direction.dot(self.sun).clamp(-1.0, 1.0).acos().to_degrees();
         let disc = ((PHYSICAL_SUN + SUN_EDGE - angle) / (2.0 * SUN_EDGE)).clamp(0.0, 1.0) * (1.0 - below).floor();
@@ -114,6 +120,12 @@ impl Physical {
         Vec3::ONE - (-light).exp()
     }
 }
+
+/// Reflectance of the plain, greyed by the air over it.
+const PLAIN: Vec3 = Vec3::new(0.20, 0.20, 0.19);
+
+/// Sine of the angle below the horizon at which haze leaves 37 % of the plain's light.
+const PLAIN_HAZE: f32 = 0.07;
 
 /// Angular radius of the physical sun's disc in degrees; the true one is 0.27°.
 const PHYSICAL_SUN: f32 = 0.4;

@@ -3,14 +3,18 @@
 //! It is a pass of its own and no part of the terrain's: every technique draws the ground that it finds, and the sea covers
 //! what of it lies behind the water, so that no variant of the terrain's shader knows of it.
 
+use std::f64::consts::TAU;
+
 use bytemuck::{Pod, Zeroable};
 use glam::{DMat4, DVec3, Vec3};
 
 use crate::gpu::{Gpu, PROBE_FORMAT, Target, read_texture, sized_texture};
+use crate::scene::water::WATER_PERIOD;
 use crate::scene::{DebugView, Scene, Technique, Water};
 
+use super::air::{self, AirUniform};
 use super::cube::in_view;
-use super::frame::{FrameUniform, sampler_entry, texture_entry, uniform_buffer, without_subnormals};
+use super::frame::{FrameUniform, sampler_entry, storage_entry, texture_entry, uniform_buffer, without_subnormals};
 use super::ground::Ground;
 use super::light::direct_weights;
 use super::pipelines::{PassDescription, PipelineKey};
@@ -20,7 +24,7 @@ use super::skybox::Skybox;
 use super::split::Area;
 use super::terrain::{TerrainUniform, Textures, bind};
 use super::terrain_key::{Output, TerrainKey};
-use super::{BACKGROUND, RenderError, Renderer, occluder, terrain};
+use super::{BACKGROUND, RenderError, Renderer, atmosphere, clouds, occluder, terrain};
 
 /// Bindings in the terrain's group.
 const WATER: u32 = 40;
@@ -40,16 +44,20 @@ const WIND: f64 = 0.5;
 /// Root mean square of the slope of the steepest waves: about that of a wind of 12 m/s (Cox and Munk 1954).
 const STEEPEST: f64 = 0.25;
 /// Lengths of itself that the longest wave moves in a second; shorter ones are slower by the root of their length, as in deep
-/// water.
+/// water. Each has a whole number of periods in that of the clock.
 const SPEED: f64 = 0.3;
-/// Length of foam's flakes over that of the longest waves, and how fast the pattern drifts, flakes per second.
+/// Length of foam's flakes over that of the longest waves.
 const FLAKES: f64 = 0.35;
+/// Foam drifts around circles: flakes per second, and seconds for a circle, which are a whole part of the clock's period.
 const DRIFT: f64 = 0.15;
+const CIRCLE: f64 = 120.0;
 /// Depth up to which there is foam at most, as a share of the map's height.
 const FOAM_DEPTH: f64 = 1.0 / 30.0;
-/// Radius of the largest bubbles over the length of the longest waves, and radii that they rise in a second.
+/// Radius of the largest bubbles over the length of the longest waves, and cells of their grid, eight radii high, that the slowest
+/// would rise in a second times 1 / 0.6: `waves.wgsl` has columns rise by tenths of it, and repeats after 540 cells, so that
+/// all are where they were after the clock's period.
 const BUBBLES: f64 = 0.012;
-const RISE: f64 = 12.0;
+const RISE: f64 = 1.5;
 
 /// Absorption by channel over that of green light in a blue sea, and in a green lake.
 const ABSORPTION: [Vec3; 2] = [Vec3::new(4.2, 1.0, 0.6), Vec3::new(3.0, 1.0, 1.6)];
@@ -70,6 +78,8 @@ pub(super) struct WaterKey {
     pub(super) sky: bool,
     /// The occluder is seen in it.
     pub(super) occluder: bool,
+    /// Clouds are seen in it, or from below it.
+    pub(super) clouds: bool,
 }
 
 impl WaterKey {
@@ -96,6 +106,7 @@ impl WaterKey {
             bubbles: bubbles && !probe,
             sky: scene.skybox.enabled && !probe,
             occluder: scene.occluder.enabled,
+            clouds: atmosphere::shows_clouds(scene) && !probe,
         })
     }
 
@@ -108,6 +119,7 @@ impl WaterKey {
             (self.bubbles, "WATER_BUBBLES"),
             (self.sky, "WATER_SKY"),
             (self.occluder, "WATER_OCCLUDER"),
+            (self.clouds, "WATER_CLOUDS"),
         ];
         self.ground.defs().into_iter().chain(own.into_iter().filter_map(|(on, def)| on.then_some(def))).collect()
     }
@@ -124,6 +136,8 @@ impl WaterKey {
             &|scene| (scene.water.waves, scene.water.foam, scene.water.bubbles) = (0.0, 0.0, false),
             &|scene| (scene.skybox.enabled, scene.lighting.enabled) = (false, false),
             &|scene| scene.march.technique = Technique::Smooth,
+            &|scene| (scene.clouds.enabled, scene.air.fog) = (true, false),
+            &|scene| (scene.clouds.enabled, scene.air.fog, scene.air.perspective) = (true, true, true),
             &|scene| {
                 (scene.lighting.shadows, scene.occluder.enabled) = (crate::scene::light::Shadows::Soft, true);
                 (scene.lighting.occlusion, scene.diffuse.source) = (true, ColourSource::Materials);
@@ -162,6 +176,17 @@ pub(super) fn describe(key: WaterKey) -> PassDescription {
         bindings.extend([texture_entry(SKY, true, true), sampler_entry(SKY_SAMPLER)]);
     }
     let mut modules = ground.modules;
+    if key.clouds {
+        if !key.ground.air.is_on() {
+            // The lights of clouds are among its constants.
+            bindings.push(storage_entry::<AirUniform>(air::AIR));
+        }
+        bindings.extend(clouds::layer_entries());
+        // A module that comes twice takes those away that need it.
+        let missing = ["air.wgsl", "cloud_layers.wgsl"].into_iter().filter(|name| !modules.contains(name));
+        let missing: Vec<_> = missing.collect();
+        modules.extend(missing);
+    }
     modules.extend(["cube_faces.wgsl", "waves.wgsl"]);
     let defs = key.defs();
     let probe = key.ground.output == Output::Probe;
@@ -189,6 +214,7 @@ pub(super) struct WaterBuffer {
     pub(super) background_and_foam: [f32; 4],
     pub(super) foam_light_and_bubbles: [f32; 4],
     pub(super) drift: [f32; 4],
+    pub(super) foam_shift: [f32; 4],
     pub(super) waves: [[f32; 4]; WAVES],
 }
 
@@ -205,20 +231,35 @@ fn block(scene: &Scene, ground: &Ground, extent: DVec3) -> Result<Option<DVec3>,
     Ok((level > 0.0).then_some(DVec3 { y: level, ..extent }))
 }
 
-/// Whether an eye is in the water.
-fn is_submerged(eye: DVec3, block: DVec3) -> bool {
-    eye.cmpge(DVec3::ZERO).all() && eye.cmple(block).all() && eye.y < block.y
+/// Where an eye is, seen from the water.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum EyePlace {
+    Within,
+    /// Above the surface, or on it.
+    Above,
+    /// As low as the water, beside it.
+    Beside,
+}
+
+impl EyePlace {
+    fn of(eye: DVec3, block: DVec3) -> Self {
+        let inside = eye.cmpge(DVec3::ZERO).all() && eye.cmple(block).all();
+        match eye.y < block.y {
+            true if inside => Self::Within,
+            true => Self::Beside,
+            false => Self::Above,
+        }
+    }
 }
 
 impl WaterBuffer {
     fn new(scene: &Scene, view: &View, block: DVec3, world_from_cube: DMat4) -> Self {
         let Scene { water, lighting, .. } = scene;
         let eye = view.camera.eye;
-        let submerged = is_submerged(eye, block);
-        let place_of_eye = match submerged {
-            true => 1.0,
-            false if eye.y >= block.y => -1.0,
-            false => 0.0,
+        let place_of_eye = match EyePlace::of(eye, block) {
+            EyePlace::Within => 1.0,
+            EyePlace::Above => -1.0,
+            EyePlace::Beside => 0.0,
         };
         let sun = lighting.sun_direction();
         let [diffuse, _] = direct_weights(lighting);
@@ -248,15 +289,18 @@ impl WaterBuffer {
             sun_and_flattening: with(sunlight, f64::from(scene.skybox.flattening)),
             background_and_foam: with(background.into(), f64::from(water.foam) * FOAM_DEPTH * view.extent.y),
             foam_light_and_bubbles: with(level_light * 0.8, BUBBLES * length),
-            drift: [
-                (water.time * DRIFT) as f32,
-                (water.time * RISE * BUBBLES * length) as f32,
-                (FLAKES * length) as f32,
-                (std::f64::consts::TAU / length) as f32,
-            ],
+            drift: [0.0, (water.time * RISE) as f32, (FLAKES * length) as f32, (TAU / length) as f32],
+            foam_shift: foam_shift(water.time),
             waves: waves(water),
         })
     }
+}
+
+/// Where foam's pattern has drifted to, in flakes.
+fn foam_shift(time: f64) -> [f32; 4] {
+    let (sin, cos) = (TAU * time / CIRCLE).sin_cos();
+    let radius = DRIFT * CIRCLE / TAU;
+    [(radius * cos) as f32, (radius * sin) as f32, 0.0, 0.0]
 }
 
 /// The waves: each equally steep, directions about the wind's by the golden ratio, so that none repeats another.
@@ -265,10 +309,10 @@ fn waves(water: &Water) -> [[f32; 4]; WAVES] {
     std::array::from_fn(|index| {
         let turn = (index as f64 * 0.618_034).fract();
         let direction = WIND + SPREAD * (2.0 * turn - 1.0);
-        let longest = std::f64::consts::TAU / f64::from(water.wave_length);
+        let longest = TAU / f64::from(water.wave_length);
         let number = longest / SHORTER.powi(index as i32);
-        let rate = std::f64::consts::TAU * SPEED * (number / longest).sqrt();
-        let phase = (index as f64 * 2.399_963 - rate * water.time).rem_euclid(std::f64::consts::TAU);
+        let periods = (WATER_PERIOD * SPEED * (number / longest).sqrt()).round();
+        let phase = (index as f64 * 2.399_963 - TAU * periods * (water.time / WATER_PERIOD)).rem_euclid(TAU);
         [number * direction.cos(), number * direction.sin(), slope, phase].map(|value| value as f32)
     })
 }
@@ -301,9 +345,14 @@ impl Renderer {
 
     /// Whether the eye is in the sea of `scene`.
     pub(super) fn is_under_water(&self, scene: &Scene, view: &View) -> bool {
-        let ground = self.ground.as_ref().filter(|_| self.water_key(scene, view.deep, false).is_some());
-        let block = ground.and_then(|ground| block(scene, ground, view.extent).ok().flatten());
-        block.is_some_and(|block| is_submerged(view.camera.eye, block))
+        self.place_of_eye(scene, view) == Some(EyePlace::Within)
+    }
+
+    /// Where the eye is seen from the sea of `scene`; `None` where there is none.
+    pub(super) fn place_of_eye(&self, scene: &Scene, view: &View) -> Option<EyePlace> {
+        self.water_key(scene, view.deep, false)?;
+        let block = block(scene, self.ground.as_ref()?, view.extent).ok().flatten()?;
+        Some(EyePlace::of(view.camera.eye, block))
     }
 
     /// The draw of the sea; `None` where no water is in view.
@@ -346,6 +395,13 @@ impl Renderer {
             return Ok(None);
         };
         entries.push((WATER, bindings.water.as_entire_binding()));
+        if key.clouds {
+            if !key.ground.air.is_on() {
+                entries.push(self.atmosphere.air.entry());
+            }
+            let Some(clouds) = &self.atmosphere.clouds else { return Ok(None) };
+            entries.extend(clouds.layer_entries());
+        }
         if key.sky {
             let Some(sky) = self.skybox.as_ref().map(Skybox::entries) else { return Ok(None) };
             entries.extend([SKY, SKY_SAMPLER].into_iter().zip(sky));
@@ -436,5 +492,34 @@ impl WaterPath {
     fn of([first, air, water, kind]: [f32; 4]) -> Option<Self> {
         let [first, air, water] = [first, air, water].map(LegEnd::of);
         (kind >= 0.0).then_some(Self { begins_in_water: kind > 0.5, first, air, water })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Where the clock begins anew, waves and foam are where they were: by an hour's end nothing has jumped.
+    #[test]
+    fn what_moves_is_where_it_was_after_the_clocks_period() {
+        let at = |time: f64| Water { waves: 1.0, time, ..Water::default() };
+        let apart = |a: f32, b: f32| f64::from((a - b).abs()).min(TAU - f64::from((a - b).abs()));
+        let step = 0.01;
+        let ends = [0.0, WATER_PERIOD - step, WATER_PERIOD].map(|time| (waves(&at(time)), foam_shift(time)));
+        let [first, before, last] = &ends;
+        for index in 0..WAVES {
+            assert!(apart(first.0[index][3], last.0[index][3]) < 1e-3, "wave {index}");
+            // At its own pace: the shortest one turns by less than an eighth of a radian in a hundredth of a second.
+            let turned = apart(before.0[index][3], last.0[index][3]);
+            assert!((1e-3..0.125).contains(&turned), "wave {index} turns by {turned}");
+        }
+        assert!((0..2).all(|axis| (first.1[axis] - last.1[axis]).abs() < 1e-4), "{ends:?}");
+        let mut water = at(WATER_PERIOD - step);
+        water.run(step);
+        assert!(water.time < 1e-9, "{}", water.time);
+        // Columns of bubbles rise by whole rounds of the 540 cells after which `waves.wgsl` repeats.
+        for tenths in 6..14 {
+            assert!((WATER_PERIOD * RISE * f64::from(tenths) / 10.0).rem_euclid(540.0) < 1e-6);
+        }
     }
 }

@@ -69,7 +69,7 @@ pub struct CloudSettings {
     pub shadows: bool,
     /// How dark the shadows are, 0 to 1.
     pub shadow_strength: f64,
-    /// The moment that is shown, in seconds since the layers were where they began.
+    /// The moment that is shown, in seconds since the layers were where they began; before that where it is negative.
     pub time: f64,
     /// Whether time passes in the viewer. While it does, frames are drawn all the time.
     pub moving: bool,
@@ -133,8 +133,8 @@ impl CloudSettings {
 
     /// Lets `seconds` pass in the viewer.
     pub fn run(&mut self, seconds: f64) {
-        // Long before there, no layer is anywhere near where it began.
-        self.time = (self.time + self.rate * seconds).rem_euclid(MOST_SECONDS);
+        // Layers have no common period at which a clock could begin anew without a jump: at the ends it stands.
+        self.time = (self.time + self.rate * seconds).clamp(-MOST_SECONDS, MOST_SECONDS);
     }
 
     /// Checks that a picture can be made.
@@ -144,7 +144,7 @@ impl CloudSettings {
     pub(crate) fn validate(&self) -> Result<(), OutOfRange> {
         check("clouds.cover", self.cover, 0.0..=1.0)?;
         check("clouds.shadow_strength", self.shadow_strength, 0.0..=1.0)?;
-        check("clouds.time", self.time, 0.0..=MOST_SECONDS)?;
+        check("clouds.time", self.time, -MOST_SECONDS..=MOST_SECONDS)?;
         check("clouds.rate", self.rate, -10_000.0..=10_000.0)?;
         check("clouds.layers (their number)", self.layers.len() as f64, 0.0..=MOST_CLOUD_LAYERS as f64)?;
         for (index, layer) in self.layers.iter().enumerate() {
@@ -160,8 +160,8 @@ impl CloudSettings {
     }
 }
 
-/// A year: places of layers are then still known to a millimetre.
-const MOST_SECONDS: f64 = 3.2e7;
+/// Three centuries: places of layers are then still known to a millimetre.
+pub(crate) const MOST_SECONDS: f64 = 1e10;
 
 #[cfg(test)]
 mod tests {
@@ -182,6 +182,14 @@ mod tests {
         assert!(covers(&clouds).iter().all(|&cover| cover == 1.0) && clouds.runs());
         clouds.run(2.0);
         assert_eq!(clouds.time, 60.0);
+        // Back past the beginning, as smoothly as forth.
+        clouds.rate = -30.0;
+        (0..3).for_each(|_| clouds.run(1.0));
+        assert_eq!(clouds.time, -30.0);
+        assert_eq!(clouds.validate(), Ok(()));
+        (clouds.time, clouds.rate) = (MOST_SECONDS - 1.0, 10_000.0);
+        clouds.run(1.0);
+        assert!(clouds.time == MOST_SECONDS && clouds.validate().is_ok(), "no way back to the beginning at once");
         clouds.enabled = false;
         assert!(!clouds.runs());
     }

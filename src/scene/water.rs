@@ -73,8 +73,9 @@ const HIGHEST_SHARE: f64 = 2.0;
 /// Levels beyond any height in metres.
 const HIGHEST_LEVEL: f64 = 1e6;
 
-/// After so many seconds the clock of what moves begins anew: single precision still tells thousandths then.
-const LONGEST_TIME: f64 = 3600.0;
+/// After so many seconds the clock of what moves begins anew. Waves, foam and bubbles all repeat after it, so that nothing jumps
+/// (`render/water.rs`).
+pub(crate) const WATER_PERIOD: f64 = 3600.0;
 
 impl Water {
     /// Checks that every number is in its range.
@@ -90,7 +91,7 @@ impl Water {
         check("water.waves", self.waves, 0.0..=1.0)?;
         check("water.wave_length", self.wave_length, 1e-4..=10.0)?;
         check("water.foam", self.foam, 0.0..=1.0)?;
-        check("water.time", self.time, 0.0..=LONGEST_TIME)
+        check("water.time", self.time, 0.0..=WATER_PERIOD)
     }
 
     /// Height of the sea as a share of the map's, whose lowest and highest sample are `range` in metres where they are known: 0
@@ -114,7 +115,7 @@ impl Water {
 
     /// Lets `seconds` pass in the viewer.
     pub fn run(&mut self, seconds: f64) {
-        self.time = (self.time + seconds).rem_euclid(LONGEST_TIME);
+        self.time = (self.time + seconds).rem_euclid(WATER_PERIOD);
     }
 }
 

@@ -50,7 +50,7 @@ pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
         number("Cloud time", "The moment that is shown, in seconds since the layers were where they began. Free.")
             .unit(" s")
             .decimals(0)
-            .field(ui, &mut clouds.time, 0.0..=3.2e7, 60.0);
+            .field(ui, &mut clouds.time, -3.2e7..=3.2e7, 60.0);
         layers(ui, clouds, &mut panel.view.cloud_layer, off);
     });
 }
