@@ -148,7 +148,7 @@ impl NamedView {
         let over_ground =
             |x: f64, z: f64, clearance: f64| DVec3::new(x, sy * map.surface_height(x / sx, z / sz) + clearance, z);
         match self {
-            Self::Start if is_slender(extent) => frame_all(extent, fov),
+            Self::Start if is_slender(extent) => frame_all(map, extent, fov),
             Self::Start => {
                 let eye = DVec3::new(sx * 0.66, sy * 1.1 + 0.17 * sz, sz * 1.0);
                 Camera::look_at(eye, DVec3::new(sx * 0.42, sy * 0.3, sz * 0.36), fov)
@@ -184,17 +184,23 @@ fn is_slender(extent: DVec3) -> bool {
 }
 
 /// The whole box from above, its longer side across the picture: from the south, or from the east where it is longer from
-/// north to south.
+/// north to south. Where the ground would turn its back on that view, from the side that it falls towards.
 ///
 /// The box keeps to the middle of the picture, where it is whole at any usual size of the picture and beside the panel.
-fn frame_all(extent: DVec3, fov: f64) -> Camera {
+fn frame_all(map: &HeightField, extent: DVec3, fov: f64) -> Camera {
     /// Degrees aside and down.
     const TURN: f64 = 25.0;
     const PITCH: f64 = -30.0;
     /// Shares of half the picture's height that the box may reach to, across and up.
     const ROOM: [f64; 2] = [0.75, 0.8];
-    let yaw = if extent.z > extent.x { -90.0 + TURN } else { -TURN };
-    let camera = Camera { eye: extent * 0.5, yaw, pitch: PITCH, fov };
+    let usual = if extent.z > extent.x { -90.0 + TURN } else { -TURN };
+    let is_long = extent.x.max(extent.z) > SLENDER[0] * extent.x.min(extent.z);
+    let others: &[f64] = if is_long { &[180.0] } else { &[90.0, 180.0, 270.0] };
+    let yaw = others.iter().map(|turn| usual + turn).fold((usual, rise(map, usual).max(0.0)), |best, yaw| {
+        let rise = rise(map, yaw);
+        if rise > best.1 { (yaw, rise) } else { best }
+    });
+    let camera = Camera { eye: extent * 0.5, yaw: yaw.0, pitch: PITCH, fov };
     let (Basis { forward, right, up }, half) = (camera.basis(), camera.half_height());
     let corners = (0..8).map(|corner| {
         let side = |bit: u32| if corner >> bit & 1 == 1 { 0.5 } else { -0.5 };
@@ -205,6 +211,17 @@ fn frame_all(extent: DVec3, fov: f64) -> Camera {
         beside / half - corner.dot(forward)
     });
     Camera { eye: camera.eye - forward * needed.fold(0.0, f64::max), ..camera }
+}
+
+/// How much the ground rises in the compass direction `yaw`, degrees: the mean of its height, 0 to 1, times the way from the
+/// map's middle, in shares of its sides.
+fn rise(map: &HeightField, yaw: f64) -> f64 {
+    const PLACES: u32 = 16;
+    let (sin, cos) = yaw.to_radians().sin_cos();
+    let place = |index: u32| (f64::from(index) + 0.5) / f64::from(PLACES);
+    let places = (0..PLACES * PLACES).map(|index| (place(index % PLACES), place(index / PLACES)));
+    let shares = places.map(|(u, v)| map.surface_height(u, v) * ((u - 0.5) * sin - (v - 0.5) * cos));
+    shares.filter(|share| share.is_finite()).sum::<f64>() / f64::from(PLACES * PLACES)
 }
 
 /// The compass direction in which the ground stays below `eye` the longest, degrees.
@@ -275,6 +292,21 @@ mod tests {
         // Others keep the view from above their southern edge.
         let usual = NamedView::Start.camera(&map, DVec3::new(1.0, 0.25, 0.8));
         assert!(usual.eye.abs_diff_eq(DVec3::new(0.66, 0.25 * 1.1 + 0.17 * 0.8, 0.8), 1e-12), "{usual:?}");
+    }
+
+    /// A tower whose southern side is the high one is not shown from behind.
+    #[test]
+    fn the_start_view_of_a_slender_map_faces_its_ground() {
+        for (heights, forward) in [
+            ([0.0, 0.0, 1.0, 1.0], DVec3::Z),  // high in the south: seen from the north
+            ([1.0, 1.0, 0.0, 0.0], -DVec3::Z), // high in the north
+            ([1.0, 0.0, 1.0, 0.0], -DVec3::X), // high in the west
+            ([0.5, 0.5, 0.5, 0.5], -DVec3::Z), // level: from the south, as ever
+        ] {
+            let map = HeightField::from_raw(2, 2, &heights).unwrap();
+            let camera = NamedView::Start.camera(&map, DVec3::new(1.0, 0.8, 1.0));
+            assert!(camera.basis().forward.dot(forward) > 0.5, "{heights:?}: {camera:?}");
+        }
     }
 
     #[test]

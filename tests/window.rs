@@ -35,8 +35,6 @@ mod land;
 mod moving;
 #[path = "window/panel.rs"]
 mod panel;
-#[path = "window/portal.rs"]
-mod portal;
 #[path = "window/scale.rs"]
 mod scale;
 #[cfg(debug_assertions)]

@@ -17,7 +17,7 @@ pub(crate) const fn limits() -> wgpu::Limits {
         max_bindings_per_bind_group: 256,
         max_sampled_textures_per_shader_stage: 16,
         max_samplers_per_shader_stage: 16,
-        max_storage_buffers_per_shader_stage: 2,
+        max_storage_buffers_per_shader_stage: 3,
         max_uniform_buffers_per_shader_stage: 11,
         max_inter_stage_shader_variables: 15,
         max_uniform_buffer_binding_size: 16 << 10,
@@ -60,7 +60,7 @@ mod tests {
         let said = [
             "old",
             "fragment storage",
-            "max storage buffers per shader stage 2: it has 0",
+            "max storage buffers per shader stage 3: it has 0",
             super::super::ADAPTER_VARIABLE,
         ];
         assert!(said.iter().all(|part| error.contains(part)), "{error}");

@@ -172,6 +172,7 @@ fn rust_and_wgsl_agree_on_every_uniform() {
             background_and_foam,
             foam_light_and_bubbles,
             drift,
+            foam_shift,
             waves,
         ]
     );

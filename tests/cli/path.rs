@@ -37,7 +37,7 @@ fn a_path_that_is_none_and_an_output_that_is_taken_are_refused_at_once() {
     bench.write("full/file", []);
     for (line, code, words) in [
         ("render --path short.toml -o a.png", 3, "at least two different key frames"),
-        ("render --path typo.toml -o a.png", 3, "`seconds`"),
+        ("render --path typo.toml -o a.png", 3, "Valid here: seconds"),
         ("render --path none.toml -o a.png", 3, "none.toml"),
         ("render --path path.toml -o a.mp4", 2, "a.mp4"),
         ("render --path path.toml -o full", 2, "not empty"),
