@@ -156,7 +156,7 @@ fn save(window: &mut Window, folder: &std::path::Path) {
     let first = fs::read(&out).unwrap();
     window.key("Home");
     window.settled("the start view", |_| true);
-    window.point(620.0, 400.0);
+    window.point(560.0, 340.0);
     window.key("c");
     let dug = window.settled("a crater", |status| list(&status["scene"]["craters"]["list"]).len() == 1);
     window.key("ctrl+s");
