@@ -184,7 +184,7 @@ fn is_slender(extent: DVec3) -> bool {
 }
 
 /// The whole box from above, its longer side across the picture: from the south, or from the east where it is longer from
-/// north to south. Where the ground would turn its back on that view, from the side that it falls towards.
+/// north to south. Where the ground would turn its back on that view, from the side that it falls towards most.
 ///
 /// The box keeps to the middle of the picture, where it is whole at any usual size of the picture and beside the panel.
 fn frame_all(map: &HeightField, extent: DVec3, fov: f64) -> Camera {
@@ -193,14 +193,15 @@ fn frame_all(map: &HeightField, extent: DVec3, fov: f64) -> Camera {
     const PITCH: f64 = -30.0;
     /// Shares of half the picture's height that the box may reach to, across and up.
     const ROOM: [f64; 2] = [0.75, 0.8];
+    /// How steeply the ground may fall away from the usual side: half of the view's own slope.
+    const BACK: f64 = 0.3;
     let usual = if extent.z > extent.x { -90.0 + TURN } else { -TURN };
-    let is_long = extent.x.max(extent.z) > SLENDER[0] * extent.x.min(extent.z);
-    let others: &[f64] = if is_long { &[180.0] } else { &[90.0, 180.0, 270.0] };
-    let yaw = others.iter().map(|turn| usual + turn).fold((usual, rise(map, usual).max(0.0)), |best, yaw| {
-        let rise = rise(map, yaw);
-        if rise > best.1 { (yaw, rise) } else { best }
-    });
-    let camera = Camera { eye: extent * 0.5, yaw: yaw.0, pitch: PITCH, fov };
+    let (long, short) = (extent.x.max(extent.z), extent.x.min(extent.z));
+    let slope = |yaw: f64| rise(map, yaw) * extent.y / long;
+    let others: &[f64] = if long > SLENDER[0] * short { &[180.0] } else { &[90.0, 180.0, 270.0] };
+    let others = others.iter().map(|turn| usual + turn).filter(|_| slope(usual) < -BACK);
+    let yaw = others.fold(usual, |best, yaw| if slope(yaw) > slope(best) { yaw } else { best });
+    let camera = Camera { eye: extent * 0.5, yaw, pitch: PITCH, fov };
     let (Basis { forward, right, up }, half) = (camera.basis(), camera.half_height());
     let corners = (0..8).map(|corner| {
         let side = |bit: u32| if corner >> bit & 1 == 1 { 0.5 } else { -0.5 };
@@ -213,15 +214,15 @@ fn frame_all(map: &HeightField, extent: DVec3, fov: f64) -> Camera {
     Camera { eye: camera.eye - forward * needed.fold(0.0, f64::max), ..camera }
 }
 
-/// How much the ground rises in the compass direction `yaw`, degrees: the mean of its height, 0 to 1, times the way from the
-/// map's middle, in shares of its sides.
+/// How far the ground rises across the map in the compass direction `yaw`, degrees, in shares of the box's height: of the
+/// plane that fits it best, so that a ramp from side to side rises by 1.
 fn rise(map: &HeightField, yaw: f64) -> f64 {
     const PLACES: u32 = 16;
     let (sin, cos) = yaw.to_radians().sin_cos();
     let place = |index: u32| (f64::from(index) + 0.5) / f64::from(PLACES);
     let places = (0..PLACES * PLACES).map(|index| (place(index % PLACES), place(index / PLACES)));
     let shares = places.map(|(u, v)| map.surface_height(u, v) * ((u - 0.5) * sin - (v - 0.5) * cos));
-    shares.filter(|share| share.is_finite()).sum::<f64>() / f64::from(PLACES * PLACES)
+    12.0 * shares.filter(|share| share.is_finite()).sum::<f64>() / f64::from(PLACES * PLACES)
 }
 
 /// The compass direction in which the ground stays below `eye` the longest, degrees.
@@ -294,16 +295,17 @@ mod tests {
         assert!(usual.eye.abs_diff_eq(DVec3::new(0.66, 0.25 * 1.1 + 0.17 * 0.8, 0.8), 1e-12), "{usual:?}");
     }
 
-    /// A tower whose southern side is the high one is not shown from behind.
+    /// A tower whose southern side is the high one is not shown from behind. North stays up where that shows the ground.
     #[test]
     fn the_start_view_of_a_slender_map_faces_its_ground() {
-        for (heights, forward) in [
-            ([0.0, 0.0, 1.0, 1.0], DVec3::Z),  // high in the south: seen from the north
-            ([1.0, 1.0, 0.0, 0.0], -DVec3::Z), // high in the north
-            ([1.0, 0.0, 1.0, 0.0], -DVec3::X), // high in the west
-            ([0.5, 0.5, 0.5, 0.5], -DVec3::Z), // level: from the south, as ever
+        for (side, heights, forward) in [
+            (2, &[0.0, 0.0, 1.0, 1.0][..], DVec3::Z), // high in the south: from the north
+            (2, &[1.0, 1.0, 0.0, 0.0], -DVec3::Z),    // high in the north
+            (2, &[1.0, 0.0, 1.0, 0.0], -DVec3::Z),    // high in the west
+            (3, &[0.4, 0.4, 0.4, 0.0, 1.0, 0.0, 0.6, 0.6, 0.6], -DVec3::Z), // a little higher in the south
+            (2, &[0.5, 0.5, 0.5, 0.5], -DVec3::Z),    // level: from the south, as ever
         ] {
-            let map = HeightField::from_raw(2, 2, &heights).unwrap();
+            let map = HeightField::from_raw(side, side, heights).unwrap();
             let camera = NamedView::Start.camera(&map, DVec3::new(1.0, 0.8, 1.0));
             assert!(camera.basis().forward.dot(forward) > 0.5, "{heights:?}: {camera:?}");
         }
