@@ -95,6 +95,16 @@ fn the_same_map_gives_the_same_errors_and_the_exact_technique_has_none() {
     for word in ["map.png, 17×17", "Table 1", "After an edit", "Left out", "### graze", "●"] {
         assert!(markdown.contains(word), "{word} is missing in {markdown}");
     }
+    // What is made upon the ground costs the exact technique's frame, too; how the study's rays walk does not concern it.
+    for (table, walks) in [("features", true), ("exact_features", false)] {
+        let names: Vec<_> =
+            json[table].as_array().unwrap().iter().map(|feature| feature["name"].as_str().unwrap()).collect();
+        for feature in ["materials by a coverage map", "a placed picture over all the ground", "soft shadows, baked"] {
+            assert!(names.contains(&feature), "{feature} is missing in {table}: {names:?}");
+        }
+        assert_eq!(names.contains(&"without halvings"), walks, "{table}");
+        assert_eq!(names.contains(&"`cone`"), walks, "{table}");
+    }
     let picture = image::open(a.join("error-vs-time.png")).unwrap().into_rgb8();
     assert!(picture.pixels().any(|pixel| pixel.0 == [0xD5, 0x5E, 0x00]), "the exact technique is in the plot");
     assert!(fs::read_to_string(a.join("error-vs-time.svg")).unwrap().starts_with("<svg"));
