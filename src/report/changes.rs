@@ -24,6 +24,16 @@ pub(super) enum Base {
     Exact,
 }
 
+impl Base {
+    /// What the table of this base frame is called.
+    pub(super) fn table(self) -> &'static str {
+        match self {
+            Self::Study => "Table 1",
+            Self::Exact => "Table 1 over the exact technique",
+        }
+    }
+}
+
 /// A frame to be timed.
 pub(super) struct Variant {
     pub(super) name: String,

@@ -64,7 +64,7 @@ impl Features<'_> {
             // Frames that are slow even when each is drawn as rarely as may be: better fewer views than fewer frames.
             if index > 0 && began.elapsed().as_secs_f64() > budget_s * views as f64 {
                 let names: Vec<_> = job.views[index..].iter().map(|(name, _)| name.as_str()).collect();
-                left_out.push(format!("Table 1, because it would take too long: {}", names.join(", ")));
+                left_out.push(format!("{}, because it would take too long: {}", self.base.table(), names.join(", ")));
                 break;
             }
             for Variant { scene, .. } in &mut variants {
@@ -75,7 +75,8 @@ impl Features<'_> {
                 }
             }
             let share = |done: f64| (index as f64 + done) / views as f64;
-            let times = view_times(studio, job, &variants, budget_s, left_out, &|done| tell(share(done)))?;
+            let times =
+                view_times(studio, job, (self.base.table(), &variants), budget_s, left_out, &|done| tell(share(done)))?;
             let base = times.first().and_then(|times| Times::of(times));
             for (feature, times) in features.iter_mut().zip(&times) {
                 if let Some((times, base)) = Times::of(times).zip(base) {
@@ -91,7 +92,7 @@ impl Features<'_> {
 fn view_times(
     studio: &mut Studio,
     job: &Job,
-    variants: &[Variant],
+    (table, variants): (&str, &[Variant]),
     budget_s: f64,
     left_out: &mut Vec<String>,
     tell: &dyn Fn(f64) -> bool,
@@ -105,7 +106,7 @@ fn view_times(
         match studio.frame(scene).and_then(|_| studio.frame(scene)) {
             Ok(ms) => first.push(Some(ms)),
             Err(error @ (RenderError::Unsupported { .. } | RenderError::Impossible { .. })) => {
-                let note = format!("Table 1, {name}: {}", first_line(&error));
+                let note = format!("{table}, {name}: {}", first_line(&error));
                 if !left_out.contains(&note) {
                     left_out.push(note);
                 }

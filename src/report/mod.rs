@@ -116,7 +116,7 @@ impl From<RenderError> for Halt {
 
 /// Shares of the whole work that the parts take, for the progress bar. The views have the rest.
 const PREPARATION_SHARE: f64 = 0.05;
-const FEATURES_SHARE: f64 = 0.15;
+const FEATURES_SHARE: f64 = 0.35;
 const EDITS_SHARE: f64 = 0.05;
 
 /// Seconds that the parts may take, full and quick, which with loading the map and drawing the plots makes ten minutes and
@@ -124,7 +124,7 @@ const EDITS_SHARE: f64 = 0.05;
 const VIEWS_SECONDS: [f64; 2] = [300.0, 22.0];
 const LEAST_VIEWS_SECONDS: [f64; 2] = [250.0, 18.0];
 /// For each of the two base frames.
-const FEATURES_SECONDS: [f64; 2] = [50.0, 6.0];
+const FEATURES_SECONDS: [f64; 2] = [100.0, 6.0];
 /// Seconds that a technique may take after edits.
 const EDIT_SECONDS: [f64; 2] = [25.0, 3.0];
 
