@@ -98,38 +98,46 @@ fn view_times(
     tell: &dyn Fn(f64) -> bool,
 ) -> Result<Vec<Vec<f64>>, Halt> {
     let began = Instant::now();
-    let mut first = Vec::new();
+    let mut able = Vec::new();
     for Variant { name, scene, .. } in variants {
         if tell(0.0) {
             return Err(Halt::Asked);
         }
-        match studio.frame(scene).and_then(|_| studio.frame(scene)) {
-            Ok(ms) => first.push(Some(ms)),
-            Err(error @ (RenderError::Unsupported { .. } | RenderError::Impossible { .. })) => {
-                let note = format!("{table}, {name}: {}", first_line(&error));
-                if !left_out.contains(&note) {
-                    left_out.push(note);
-                }
-                first.push(None);
+        let drawn = studio.frame(scene).map(drop);
+        if let Err(error @ (RenderError::Unsupported { .. } | RenderError::Impossible { .. })) = &drawn {
+            let note = format!("{table}, {name}: {}", first_line(error));
+            if !left_out.contains(&note) {
+                left_out.push(note);
             }
-            Err(error) => return Err(error.into()),
+            able.push(false);
+        } else {
+            drawn?;
+            able.push(true);
         }
     }
-    let rounds = ROUNDS[usize::from(job.quick)];
-    let frame_ms: Vec<f64> = first.iter().map(|ms| 2.0 * ms.unwrap_or(0.0)).collect();
-    let counts = plan(&frame_ms, rounds, (budget_s - began.elapsed().as_secs_f64()) * 1e3);
-    let mut times = vec![Vec::new(); variants.len()];
+    // A frame after one of its like: the first pays for textures and bindings that the others had no use for.
+    let mut turn = |scene: &Scene| studio.frame(scene).and_then(|_| studio.frame(scene));
+    let (mut times, mut turn_ms) = (vec![Vec::new(); variants.len()], vec![0.0; variants.len()]);
+    for (index, Variant { scene, .. }) in variants.iter().enumerate().filter(|(index, _)| able[*index]) {
+        if tell(0.0) {
+            return Err(Halt::Asked);
+        }
+        // What a turn takes is more than its frames: their textures are made before them.
+        let begins = Instant::now();
+        times[index].push(turn(scene)?);
+        turn_ms[index] = begins.elapsed().as_secs_f64() * 1e3;
+    }
+    let rounds = ROUNDS[usize::from(job.quick)] - 1;
+    let counts = plan(&turn_ms, rounds, (budget_s - began.elapsed().as_secs_f64()) * 1e3);
     for round in 0..rounds {
         for (index, Variant { scene, .. }) in variants.iter().enumerate() {
-            if first[index].is_none() || !has_turn(round, counts[index], rounds) {
+            if !able[index] || !has_turn(round, counts[index], rounds) {
                 continue;
             }
             if tell(round as f64 / rounds as f64) {
                 return Err(Halt::Asked);
             }
-            // A frame after one of its like: the first pays for textures and bindings that the others had no use for.
-            studio.frame(scene)?;
-            times[index].push(studio.frame(scene)?);
+            times[index].push(turn(scene)?);
         }
     }
     Ok(times)
