@@ -470,6 +470,13 @@ fn the_water_mirrors_clouds_and_fog() {
         cloudy.clouds.time = 900.0;
         assert!(changed(&clouds, &draw(&mut renderer, &cloudy)).len() > 100, "{name}: they move");
     }
+    // Nearly upwards the surface lets nearly all light through: from below clouds look as they do where there is no sea.
+    (under.clouds.enabled, under.clouds.cover, under.water.refraction) = (true, 0.9, false);
+    let through = draw(&mut renderer, &under);
+    under.water.enabled = false;
+    let by_water = mean_difference(&through, &draw(&mut renderer, &under));
+    println!("the surface changes clouds by {by_water:.1} bytes in the mean");
+    assert!(by_water < 8.0, "{by_water}");
     // Right over the surface there is no fog between it and the eye: what changes is the mirror.
     let mut low = base.clone();
     let camera = low.camera.as_mut().unwrap();
@@ -542,7 +549,8 @@ fn light_in_the_water_is_not_counted_again_for_shadows() {
         assert!(up > 200, "{name}: {up} rays meet the surface from below");
         scene.lighting.shadows = relief::scene::light::Shadows::Hard;
         let looked_for = draw(&mut renderer, &scene);
-        let furthest = free.pixels().zip(looked_for.pixels()).flat_map(|(a, b)| (0..3).map(|c| a.0[c].abs_diff(b.0[c])));
+        let furthest =
+            free.pixels().zip(looked_for.pixels()).flat_map(|(a, b)| (0..3).map(|c| a.0[c].abs_diff(b.0[c])));
         assert!(furthest.max() <= Some(1), "{name}: {} pixels differ", changed(&free, &looked_for).len());
     }
 }

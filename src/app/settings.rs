@@ -311,7 +311,8 @@ mod tests {
     /// A file that was mended is not said to be broken.
     #[test]
     fn an_image_that_is_shown_is_refused_no_more() {
-        let mut notes = ImageNotes { refused: Some(("photo.png".into(), "it is cut off".into())), ..Default::default() };
+        let mut notes =
+            ImageNotes { refused: Some(("photo.png".into(), "it is cut off".into())), ..Default::default() };
         let mut scene = Scene::default();
         assert!(!notes.were_shown(&scene));
         scene.diffuse.file = Some("other.png".into());

@@ -71,9 +71,9 @@ pub struct CloudSettings {
     pub shadow_strength: f64,
     /// The moment that is shown, in seconds since the layers were where they began; before that where it is negative.
     pub time: f64,
-    /// Whether time passes in the viewer. While it does, frames are drawn all the time.
+    /// Whether time passes in films and in the viewer. While it does there, frames are drawn all the time.
     pub moving: bool,
-    /// Seconds that pass in the sky for each of the viewer's.
+    /// Seconds that pass in the sky for each of the viewer's or the film's.
     pub rate: f64,
     /// The layers, at most five; a scene that names any names all. A layer shades what lies below it; of five, the fourth also
     /// what lies between it and the fifth.
