@@ -8,7 +8,7 @@
 #import relief::frame::{frame, pixel_ray}
 #import relief::air
 #import relief::air::air as constants
-#import relief::cloud_constants::CLOUD_LAYERS
+#import relief::cloud_constants::{CLOUD_LAYERS, FADED, WHOLE}
 #import relief::cloud_layers::{clouds, cloud_at, cloud_colour, CloudLayer, CloudLights}
 
 @group(1) @binding(50) var depths: texture_depth_2d;
@@ -70,8 +70,8 @@ fn fs_main(in: Varyings) -> @location(0) vec4f {
     let depth = in.origin.w + along;
     let direction = normalize(ray);
     let steep = abs(direction.y);
-    // Near the horizon layers fade: there they would be seen on edge. Up to here in `render/clouds.rs` (`FADED`), too.
-    let seen = smoothstep(0.012, 0.11, steep) * in.sun_light.w;
+    // Near the horizon layers fade: there they would be seen on edge.
+    let seen = smoothstep(FADED, WHOLE, steep) * in.sun_light.w;
     if depth <= 0.0 || seen <= 0.0 {
         discard;
     }

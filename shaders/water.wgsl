@@ -29,7 +29,7 @@
 #endif
 #ifdef WATER_CLOUDS
 #import relief::air::air as air_constants
-#import relief::cloud_constants::CLOUD_LAYERS
+#import relief::cloud_constants::{CLOUD_LAYERS, FADED, WHOLE}
 #import relief::cloud_layers::{clouds, cloud_at, cloud_colour, CloudLights}
 #endif
 #import relief::waves
@@ -247,7 +247,7 @@ fn sky_before(leg: Leg, pixel_size: f32) -> vec3f {
     var passes = 1.0;
     var gathered = vec3f(0.0);
     let steep = max(direction.y, 0.0);
-    let seen = smoothstep(0.012, 0.11, steep);
+    let seen = smoothstep(FADED, WHOLE, steep);
     let sun = vec4f(air_constants.sun.xyz, clouds.sun.z);
     let lights = CloudLights(sun, air_constants.sun_light.rgb, air_constants.sky_light.rgb);
     let count = select(0u, u32(clouds.count.x), seen > 0.0);
@@ -339,7 +339,8 @@ fn fs_main(in: varyings::Varyings) -> Fragment {
     var glinting = vec3f(0.0);
 #endif
 #ifdef SUNLIGHT
-    var sunward = leg;
+    // Of no weight where the eye's ray does not come in through the surface: there is no glint to be seen, or hidden.
+    var sunward = Leg(leg.ray, false, false, vec3f(0.0), leg.way);
 #endif
 #ifdef WATER_FOAM
     var foam = 0.0;

@@ -197,7 +197,7 @@ fn frame_all(map: &HeightField, extent: DVec3, fov: f64) -> Camera {
     const BACK: f64 = 0.3;
     let usual = if extent.z > extent.x { -90.0 + TURN } else { -TURN };
     let (long, short) = (extent.x.max(extent.z), extent.x.min(extent.z));
-    let slope = |yaw: f64| rise(map, yaw) * extent.y / long;
+    let slope = |yaw: f64| slope(map, extent, yaw);
     let others: &[f64] = if long > SLENDER[0] * short { &[180.0] } else { &[90.0, 180.0, 270.0] };
     let others = others.iter().map(|turn| usual + turn).filter(|_| slope(usual) < -BACK);
     let yaw = others.fold(usual, |best, yaw| if slope(yaw) > slope(best) { yaw } else { best });
@@ -214,15 +214,18 @@ fn frame_all(map: &HeightField, extent: DVec3, fov: f64) -> Camera {
     Camera { eye: camera.eye - forward * needed.fold(0.0, f64::max), ..camera }
 }
 
-/// How far the ground rises across the map in the compass direction `yaw`, degrees, in shares of the box's height: of the
-/// plane that fits it best, so that a ramp from side to side rises by 1.
-fn rise(map: &HeightField, yaw: f64) -> f64 {
+/// How steeply the ground rises in the compass direction `yaw`, degrees: that of the plane that fits it best in a box of the
+/// size `extent`, rise over run.
+fn slope(map: &HeightField, extent: DVec3, yaw: f64) -> f64 {
     const PLACES: u32 = 16;
     let (sin, cos) = yaw.to_radians().sin_cos();
     let place = |index: u32| (f64::from(index) + 0.5) / f64::from(PLACES);
     let places = (0..PLACES * PLACES).map(|index| (place(index % PLACES), place(index / PLACES)));
-    let shares = places.map(|(u, v)| map.surface_height(u, v) * ((u - 0.5) * sin - (v - 0.5) * cos));
-    12.0 * shares.filter(|share| share.is_finite()).sum::<f64>() / f64::from(PLACES * PLACES)
+    // Of a ramp that rises by 1 along u or v the mean of the height times that of the middle's distance is a twelfth.
+    let per_side = |along: f64, side: f64| if side > 0.0 { 12.0 * along * extent.y / side } else { 0.0 };
+    let (east, north) = (per_side(sin, extent.x), per_side(cos, extent.z));
+    let shares = places.map(|(u, v)| map.surface_height(u, v) * ((u - 0.5) * east - (v - 0.5) * north));
+    shares.filter(|share| share.is_finite()).sum::<f64>() / f64::from(PLACES * PLACES)
 }
 
 /// The compass direction in which the ground stays below `eye` the longest, degrees.
@@ -298,15 +301,22 @@ mod tests {
     /// A tower whose southern side is the high one is not shown from behind. North stays up where that shows the ground.
     #[test]
     fn the_start_view_of_a_slender_map_faces_its_ground() {
-        for (side, heights, forward) in [
-            (2, &[0.0, 0.0, 1.0, 1.0][..], DVec3::Z), // high in the south: from the north
-            (2, &[1.0, 1.0, 0.0, 0.0], -DVec3::Z),    // high in the north
-            (2, &[1.0, 0.0, 1.0, 0.0], -DVec3::Z),    // high in the west
-            (3, &[0.4, 0.4, 0.4, 0.0, 1.0, 0.0, 0.6, 0.6, 0.6], -DVec3::Z), // a little higher in the south
-            (2, &[0.5, 0.5, 0.5, 0.5], -DVec3::Z),    // level: from the south, as ever
+        let square = DVec3::new(1.0, 0.8, 1.0);
+        // So narrow that what is a gentle rise along it is steep across it.
+        let (across, along) = (DVec3::new(1.0, 0.2, 0.2), DVec3::new(0.2, 0.2, 1.0));
+        for (extent, side, heights, forward) in [
+            (square, 2, &[0.0, 0.0, 1.0, 1.0][..], DVec3::Z), // high in the south: from the north
+            (square, 2, &[1.0, 1.0, 0.0, 0.0], -DVec3::Z),    // high in the north
+            (square, 2, &[1.0, 0.0, 1.0, 0.0], -DVec3::Z),    // high in the west
+            (square, 3, &[0.4, 0.4, 0.4, 0.0, 1.0, 0.0, 0.6, 0.6, 0.6], -DVec3::Z), // a little higher in the south
+            (square, 2, &[0.5, 0.5, 0.5, 0.5], -DVec3::Z),    // level: from the south, as ever
+            (across, 2, &[0.0, 0.0, 1.0, 1.0], DVec3::Z),
+            (across, 2, &[1.0, 1.0, 0.0, 0.0], -DVec3::Z),
+            (along, 2, &[0.0, 1.0, 0.0, 1.0], DVec3::X), // high in the east: from the west
+            (along, 2, &[1.0, 0.0, 1.0, 0.0], -DVec3::X),
         ] {
             let map = HeightField::from_raw(side, side, heights).unwrap();
-            let camera = NamedView::Start.camera(&map, DVec3::new(1.0, 0.8, 1.0));
+            let camera = NamedView::Start.camera(&map, extent);
             assert!(camera.basis().forward.dot(forward) > 0.5, "{heights:?}: {camera:?}");
         }
     }

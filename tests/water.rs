@@ -470,6 +470,13 @@ fn the_water_mirrors_clouds_and_fog() {
         cloudy.clouds.time = 900.0;
         assert!(changed(&clouds, &draw(&mut renderer, &cloudy)).len() > 100, "{name}: they move");
     }
+    // Nearly upwards the surface lets nearly all light through: from below clouds look as they do where there is no sea.
+    (under.clouds.enabled, under.clouds.cover, under.water.refraction) = (true, 0.9, false);
+    let through = draw(&mut renderer, &under);
+    under.water.enabled = false;
+    let by_water = mean_difference(&through, &draw(&mut renderer, &under));
+    println!("the surface changes clouds by {by_water:.1} bytes in the mean");
+    assert!(by_water < 8.0, "{by_water}");
     // Right over the surface there is no fog between it and the eye: what changes is the mirror.
     let mut low = base.clone();
     let camera = low.camera.as_mut().unwrap();
@@ -519,4 +526,31 @@ fn hills_hide_the_suns_glint() {
     }
     println!("{dark} pixels without the glint that they had, {lit} with it, {wrong} wrong");
     assert!(dark > 100 && lit > 100 && wrong <= 4, "{dark}, {lit}, {wrong}");
+}
+
+/// Where nothing casts a shadow, it makes no difference that shadows are looked for: not from under water either, up through
+/// its surface, nor through a cut side of it.
+#[test]
+fn light_in_the_water_is_not_counted_again_for_shadows() {
+    let map = map_of(17, |x, z| f64::from(u8::from(x == 0 && z == 0)));
+    let mut renderer = renderer(&map);
+    let mut scene = dark_sea(&map);
+    (scene.water.clarity, scene.water.tint, scene.skybox.enabled) = (0.5, 1.0, false);
+    (scene.lighting.sun_azimuth, scene.lighting.sun_elevation) = (180.0, 50.0);
+    let inside = Camera { eye: DVec3::new(0.5, 0.05, 0.5), yaw: 180.0, pitch: 80.0, fov: 70.0 };
+    let beside = Camera { eye: DVec3::new(0.5, 0.05, 1.3), yaw: 0.0, pitch: 12.0, fov: 40.0 };
+    for (name, camera) in [("inside", inside), ("beside", beside)] {
+        scene.camera = Some(camera);
+        scene.lighting.shadows = relief::scene::light::Shadows::Off;
+        let free = draw(&mut renderer, &scene);
+        let paths = renderer.probe_water(&scene, SIZE).unwrap();
+        let meets_surface = |path: &&WaterPath| path.air != LegEnd::None || path.water != LegEnd::None;
+        let up = paths.iter().flatten().filter(|path| path.begins_in_water).filter(meets_surface).count();
+        assert!(up > 200, "{name}: {up} rays meet the surface from below");
+        scene.lighting.shadows = relief::scene::light::Shadows::Hard;
+        let looked_for = draw(&mut renderer, &scene);
+        let furthest =
+            free.pixels().zip(looked_for.pixels()).flat_map(|(a, b)| (0..3).map(|c| a.0[c].abs_diff(b.0[c])));
+        assert!(furthest.max() <= Some(1), "{name}: {} pixels differ", changed(&free, &looked_for).len());
+    }
 }

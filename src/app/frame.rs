@@ -343,6 +343,9 @@ impl Viewer {
                     self.facts.images.doubts = graphics.renderer.imagery_doubts().to_vec();
                     self.redraw.invalidate();
                 }
+                if self.facts.images.were_shown(&drawable) {
+                    self.redraw.invalidate();
+                }
                 if self.measured_before(graphics) {
                     self.redraw.invalidate();
                 }

@@ -1,7 +1,7 @@
 //! Landscapes from the panel: small ones while a control is dragged, the whole one once it rests, each on a thread of its
 //! own. What is on screen stays until the new ground is there.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -77,6 +77,20 @@ impl Draft {
             self.schedule = numbers.join(", ");
         }
         self.recipe = recipe.clone();
+    }
+
+    /// Whether what lies at `path` may be replaced: what was saved from here, and nothing else. Not while the first save to it
+    /// is under way, which may still find another's map there.
+    fn may_replace(&self, path: &Path) -> bool {
+        self.saved.as_deref() == Some(path)
+    }
+
+    /// A save to `path` has ended, `well` or not.
+    fn was_saved(&mut self, path: &Path, well: bool) {
+        self.saved.take_if(|saved| saved == path);
+        if well {
+            self.saved = Some(path.to_owned());
+        }
     }
 }
 
@@ -352,15 +366,14 @@ impl Viewer {
 
     /// Writes the landscape on screen and its recipe, on another thread.
     fn save_made(&mut self) {
-        let draft = &mut self.view.generate;
+        let draft = &self.view.generate;
         let shown = self.files.maps.current().and_then(|map| map.source.recipe()).cloned();
         let Some(recipe) = shown.filter(|recipe| is_whole(recipe, &self.facts)) else {
             self.toasts.error("Not saved: the landscape on screen is not whole yet. Save again when it is made.");
             return;
         };
         let path = absolute(PathBuf::from(draft.file.trim()).as_path());
-        let replace = draft.saved.as_ref() == Some(&path);
-        draft.saved = Some(path.clone());
+        let replace = draft.may_replace(&path);
         let (map, proxy) = (Arc::clone(&self.map), self.proxy.clone());
         let write = move || {
             let result = saving::save(&map, &recipe, &path, replace)
@@ -374,13 +387,11 @@ impl Viewer {
     }
 
     /// A landscape was saved, or not.
-    pub(super) fn made_was_saved(&mut self, path: &std::path::Path, result: Result<String, String>, now: Instant) {
+    pub(super) fn made_was_saved(&mut self, path: &Path, result: Result<String, String>, now: Instant) {
+        self.view.generate.was_saved(path, result.is_ok());
         match result {
             Ok(message) => self.toasts.info(&message, now),
-            Err(message) => {
-                self.view.generate.saved.take_if(|saved| saved == path);
-                self.toasts.error(&message);
-            }
+            Err(message) => self.toasts.error(&message),
         }
     }
 }
@@ -423,6 +434,22 @@ mod tests {
             made.map.samples(),
             wanted(33, 2).recipe.make([33; 2], &|_| {}, &AtomicBool::new(false)).unwrap().samples()
         );
+    }
+
+    /// Someone presses the button twice over another's file: the second press finds out as the first does.
+    #[test]
+    fn only_what_was_saved_is_replaced() {
+        let (mut draft, path) = (Draft::default(), Path::new("/land.png"));
+        assert!(!draft.may_replace(path));
+        assert!(!draft.may_replace(path), "the first save is not back yet");
+        draft.was_saved(path, false);
+        assert!(!draft.may_replace(path));
+        draft.was_saved(path, true);
+        assert!(draft.may_replace(path) && !draft.may_replace(Path::new("/other.png")));
+        draft.was_saved(Path::new("/other.png"), false);
+        assert!(draft.may_replace(path), "it is still there");
+        draft.was_saved(path, false);
+        assert!(!draft.may_replace(path));
     }
 
     /// A screenshot may be taken while a control is dragged; its scene has to make its picture again.

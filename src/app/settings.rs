@@ -270,6 +270,17 @@ impl ImageNotes {
         let (_, reason) = self.refused.as_ref().filter(|(path, _)| path == Path::new(typed.trim()))?;
         Some(reason)
     }
+
+    /// A picture of `scene` was drawn: an image that it shows is not refused any more. Whether one was.
+    pub(crate) fn were_shown(&mut self, scene: &Scene) -> bool {
+        let shows = |path: &PathBuf| {
+            scene.diffuse.file.as_ref() == Some(path)
+                || scene.land.imagery.as_ref() == Some(path)
+                || scene.materials.coverage.contains(path)
+                || scene.skybox.faces.as_ref().is_some_and(|faces| faces.contains(path))
+        };
+        self.refused.take_if(|(path, _)| shows(path)).is_some()
+    }
 }
 
 impl Facts {
@@ -289,6 +300,33 @@ impl Facts {
             adapter: gpu.adapter_name(),
             ledger: Ledger::default(),
             images: ImageNotes::default(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A file that was mended is not said to be broken.
+    #[test]
+    fn an_image_that_is_shown_is_refused_no_more() {
+        let mut notes =
+            ImageNotes { refused: Some(("photo.png".into(), "it is cut off".into())), ..Default::default() };
+        let mut scene = Scene::default();
+        assert!(!notes.were_shown(&scene));
+        scene.diffuse.file = Some("other.png".into());
+        assert!(!notes.were_shown(&scene) && notes.refusal(" photo.png") == Some("it is cut off"));
+        let uses: [fn(&mut Scene); 4] = [
+            |scene| scene.diffuse.file = Some("photo.png".into()),
+            |scene| scene.land.imagery = Some("photo.png".into()),
+            |scene| scene.materials.coverage = vec!["photo.png".into()],
+            |scene| scene.skybox.faces = Some(std::array::from_fn(|_| "photo.png".into())),
+        ];
+        for uses in uses {
+            let (mut notes, mut scene) = (notes.clone(), Scene::default());
+            uses(&mut scene);
+            assert!(notes.were_shown(&scene) && notes.refusal("photo.png").is_none() && !notes.were_shown(&scene));
         }
     }
 }

@@ -4,10 +4,13 @@
 use super::GpuError;
 
 /// Storage buffers hold the constants of sea, air, clouds, flare and invented detail; those of the flare are read by its
-/// vertices. Textures with mipmaps have any size.
+/// vertices. Textures with mipmaps have any size. A picture is shown by its bytes, and clouds read the depth that they are
+/// tested against.
 const FLAGS: wgpu::DownlevelFlags = wgpu::DownlevelFlags::FRAGMENT_STORAGE
     .union(wgpu::DownlevelFlags::VERTEX_STORAGE)
-    .union(wgpu::DownlevelFlags::NON_POWER_OF_TWO_MIPMAPPED_TEXTURES);
+    .union(wgpu::DownlevelFlags::NON_POWER_OF_TWO_MIPMAPPED_TEXTURES)
+    .union(wgpu::DownlevelFlags::VIEW_FORMATS)
+    .union(wgpu::DownlevelFlags::READ_ONLY_DEPTH_STENCIL);
 
 /// The least limits. The renderer's tests hold every pipeline against them; what is not named is a baseline below which wgpu
 /// supports no adapter.

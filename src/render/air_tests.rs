@@ -240,6 +240,13 @@ fn the_pattern_of_a_map_is_found_beside_the_frames() {
     let target = Target::new(&gpu, [16, 10]);
     let mut scene = Scene::default();
     (scene.clouds.enabled, scene.clouds.source) = (true, CloudSource::Map);
+    // What was found in a map that is gone by then is of no use.
+    let [gone, next] = [5, 6].map(|seed| Arc::new(generate(Kind::Ridged, 33, seed)));
+    renderer.set_terrain(gone).unwrap();
+    let late = renderer.missing_pipelines(&scene, target.size(), false).expect("its pattern").build(&|| true).unwrap();
+    renderer.set_terrain(next).unwrap();
+    renderer.set_compiled(late);
+    assert!(renderer.missing_pipelines(&scene, target.size(), false).is_some(), "that of another map");
     let mut pictures = Vec::new();
     for seed in [3, 4] {
         let map = Arc::new(generate(Kind::Ridged, 33, seed));

@@ -51,7 +51,8 @@ const SHADOW_SUN: [f64; 2] = [2.0, 7.0];
 pub(super) fn wgsl() -> String {
     format!(
         "#define_import_path relief::cloud_constants\nconst CLOUD_LAYERS: u32 = {MOST_CLOUD_LAYERS}u;\n\
-         const SIDE: f32 = {}.0;\nconst SOFTNESS: f32 = {SOFTNESS:?};\nconst SHADOW_SIDE: f32 = {SHADOW_SIDE}.0;\n",
+         const SIDE: f32 = {}.0;\nconst SOFTNESS: f32 = {SOFTNESS:?};\nconst SHADOW_SIDE: f32 = {SHADOW_SIDE}.0;\n\
+         const FADED: f32 = {FADED:?};\nconst WHOLE: f32 = {WHOLE:?};\n",
         cloud_pattern::SIDE
     )
 }
@@ -264,8 +265,9 @@ pub(super) fn uniforms(
 /// Of a layer: two triangles over the rows of the picture in which it can be.
 pub(super) const VERTICES: u32 = 6;
 
-/// Sine of the elevation, up or down, up to which layers have faded away: `FADES` in `clouds.wgsl`.
+/// Sines of the elevation, up or down: up to the first layers have faded away, from the second on they are seen whole.
 const FADED: f64 = 0.012;
+const WHOLE: f64 = 0.11;
 
 /// Whether a layer that moves is in view.
 pub(super) fn any_moving_in_view(scene: &Scene, km: Kilometres, view: &View) -> bool {

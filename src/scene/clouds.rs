@@ -71,9 +71,9 @@ pub struct CloudSettings {
     pub shadow_strength: f64,
     /// The moment that is shown, in seconds since the layers were where they began; before that where it is negative.
     pub time: f64,
-    /// Whether time passes in the viewer. While it does, frames are drawn all the time.
+    /// Whether time passes in films and in the viewer. While it does there, frames are drawn all the time.
     pub moving: bool,
-    /// Seconds that pass in the sky for each of the viewer's.
+    /// Seconds that pass in the sky for each of the viewer's or the film's.
     pub rate: f64,
     /// The layers, at most five; a scene that names any names all. A layer shades what lies below it; of five, the fourth also
     /// what lies between it and the fifth.
@@ -128,7 +128,8 @@ impl CloudSettings {
 
     /// Whether the picture changes with time.
     pub fn runs(&self) -> bool {
-        self.moving && self.rate != 0.0 && self.shown().any(|layer| layer.speed != 0.0)
+        let ends = (self.time >= MOST_SECONDS && self.rate > 0.0) || (self.time <= -MOST_SECONDS && self.rate < 0.0);
+        self.moving && self.rate != 0.0 && !ends && self.shown().any(|layer| layer.speed != 0.0)
     }
 
     /// Lets `seconds` pass in the viewer.
@@ -190,6 +191,11 @@ mod tests {
         (clouds.time, clouds.rate) = (MOST_SECONDS - 1.0, 10_000.0);
         clouds.run(1.0);
         assert!(clouds.time == MOST_SECONDS && clouds.validate().is_ok(), "no way back to the beginning at once");
+        assert!(!clouds.runs(), "where the clock stands, no frames are drawn for it");
+        (clouds.time, clouds.rate) = (-MOST_SECONDS, -1.0);
+        assert!(!clouds.runs());
+        clouds.rate = 1.0;
+        assert!(clouds.runs(), "it goes on the other way");
         clouds.enabled = false;
         assert!(!clouds.runs());
     }

@@ -38,7 +38,7 @@ pub struct Water {
     pub foam: f32,
     /// Bubbles rise around an eye under water.
     pub bubbles: bool,
-    /// Waves, foam and bubbles move in the viewer. While they do, frames are drawn all the time.
+    /// Waves, foam and bubbles move in films and in the viewer. While they do there, frames are drawn all the time.
     pub moving: bool,
     /// Where they are: seconds of their clock.
     pub time: f64,

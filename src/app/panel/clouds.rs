@@ -4,7 +4,7 @@ use egui::Ui;
 
 use super::Panel;
 use super::widgets::{Choice, Number, button_unless, choose, section, toggle};
-use crate::scene::clouds::MOST_CLOUD_LAYERS;
+use crate::scene::clouds::{MOST_CLOUD_LAYERS, MOST_SECONDS};
 use crate::scene::{CloudLayer, CloudSettings, CloudSource};
 
 pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
@@ -50,7 +50,7 @@ pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
         number("Cloud time", "The moment that is shown, in seconds since the layers were where they began. Free.")
             .unit(" s")
             .decimals(0)
-            .field(ui, &mut clouds.time, -3.2e7..=3.2e7, 60.0);
+            .field(ui, &mut clouds.time, -MOST_SECONDS..=MOST_SECONDS, 60.0);
         layers(ui, clouds, &mut panel.view.cloud_layer, off);
     });
 }
