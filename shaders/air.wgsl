@@ -135,12 +135,12 @@ fn veil_of_sky_over(direction: vec3f, eye: f32) -> Veil {
     let to_plain = max(eye, 0.0) * mean_density(0.0, max(eye, 0.0), base, air.fog.y);
     let fogged = min(select(column, to_plain, rise < 0.0) / max(abs(rise), 1e-6), FAR) * air.fog.x;
     let passes = exp(-fogged);
-    // Fog that begins far below the eye is veiled by the air before it, up to the colour of the horizon: there a plain of fog
-    // ends without an edge.
+    // Fog that begins far below the eye is veiled by the air before it, up to what the sky shows there, whatever that is: a
+    // plain of fog ends at the horizon without an edge.
     let far = max(eye - base, 0.0) / max(abs(rise), 1e-6);
     let clear = exp(-min(far, FAR) * (air.molecules.rgb + air.haze.rgb));
-    let light = mix(horizon_light(direction), fog_light(direction), clear);
-    return Veil(vec3f(passes), (1.0 - passes) * light);
+    let covered = (1.0 - passes) * clear;
+    return Veil(1.0 - covered, covered * fog_light(direction));
 }
 #endif
 

@@ -118,10 +118,10 @@ pub enum Technique {
     #[default]
     MaxMipmap,
     /// Another surface: the biquadratic B-spline of the samples, whose slope is continuous. The same walk, and in each cell
-    /// the crossing to f32's precision ([`crate::heightfield::smooth`]). The map must have no holes.
+    /// the crossing to f32's precision. The map must have no holes.
     Smooth,
     /// Ground with invented detail: the bilinear surface, and near the eye fractal noise finer than the samples, as rough as
-    /// the map ([`crate::heightfield::fractal`]). The same walk, and in each cell steps that cannot pass the ground, to a
+    /// the map. The same walk, and in each cell steps that cannot pass the ground, to a
     /// hundredth of a pixel. The map must have no holes.
     Fractal,
 }

@@ -64,7 +64,14 @@ pub(crate) struct GenerateArgs {
     #[arg(long, value_name = "N", allow_negative_numbers = true, help_heading = "Fractal")]
     scale: Option<f64>,
     /// diamond-square: how far each halving displaces, coarse to fine; then the roughness goes on [default: 1]
-    #[arg(long, value_name = "A,B,…", value_delimiter = ',', allow_negative_numbers = true, help_heading = "Fractal")]
+    #[arg(
+        long,
+        value_name = "A,B,…",
+        value_delimiter = ',',
+        value_parser = parse::number::<f64>,
+        allow_negative_numbers = true,
+        help_heading = "Fractal"
+    )]
     schedule: Option<Vec<f64>>,
     /// diamond-square: passes of smoothing, 0 to 64 [default: 0]
     #[arg(long, value_name = "N", value_parser = parse::count, allow_negative_numbers = true, help_heading = "Fractal")]

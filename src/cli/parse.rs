@@ -8,6 +8,7 @@ use glam::DVec3;
 
 use crate::heightfield::{Crater, HEIGHT_SCALES};
 use crate::scene::light::Clock;
+use crate::scene::sun::days_in_month;
 use crate::scene::{CompareSettings, CraterSettings, LevelUnit, Technique, Water};
 use crate::scene_file::{FARTHEST, FIELDS_OF_VIEW, MOST_HALVINGS, MOST_SAMPLES, SMALLEST, readable};
 
@@ -200,9 +201,14 @@ pub(crate) fn time(text: &str) -> Result<Time, String> {
         |text: &str, mark: char| -> Option<Vec<u32>> { text.split(mark).map(|part| part.parse().ok()).collect() };
     let (date, time) = numbers(date, '-').zip(numbers(time, ':')).ok_or_else(wrong)?;
     match (date.as_slice(), time.as_slice()) {
-        (&[year @ 1900..=2100, month @ 1..=12, day @ 1..=31], &[hour @ 0..=24, minute @ 0..=59]) => {
-            let hour = (f64::from(hour) + f64::from(minute) / 60.0).min(24.0);
-            Ok(Time { date: (year as i32, month, day), hour })
+        (&[year @ 1900..=2100, month @ 1..=12, day @ 1..=31], &[hour @ 0..=24, minute @ 0..=59])
+            if hour < 24 || minute == 0 =>
+        {
+            let (year, days) = (year as i32, days_in_month(year as i32, month));
+            if day > days {
+                return Err(format!("that month has {days} days"));
+            }
+            Ok(Time { date: (year, month, day), hour: f64::from(hour) + f64::from(minute) / 60.0 })
         }
         ([_, _, _], [_, _]) => Err(String::from(
             "the year is within 1900 and 2100, and there are 12 months of at most 31 days of 24 hours",
@@ -257,7 +263,7 @@ fn in_range<T: Number>(text: &str, valid: impl Fn(T) -> bool, range: &str) -> Re
 }
 
 /// What this module reads: `f32` and `f64`.
-trait Number: FromStr + Copy {
+pub(crate) trait Number: FromStr + Copy {
     fn finite(self) -> bool;
 }
 
@@ -273,7 +279,7 @@ impl Number for f64 {
     }
 }
 
-fn number<T: Number>(text: &str) -> Result<T, String> {
+pub(crate) fn number<T: Number>(text: &str) -> Result<T, String> {
     match text.trim().parse::<T>() {
         Ok(value) if value.finite() => Ok(value),
         Ok(_) => Err(format!("`{text}` is not finite")),
@@ -288,6 +294,18 @@ fn numbers<T: Number>(text: &str) -> Result<Vec<T>, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn days_are_those_of_their_month() {
+        for there in ["2026-02-28T12:00", "2024-02-29T00:00", "2000-02-29T12:00", "2026-12-31T24:00Z"] {
+            assert!(time(there).is_ok(), "{there}");
+        }
+        let many = ["2026-02-30T12:00", "2026-04-31T12:00", "2026-02-29T12:00", "1900-02-29T12:00"];
+        for not in many.into_iter().chain(["2026-06-01T24:59", "2026-06-01T12:60", "2026-13-01T12:00", "2026-06-01"]) {
+            assert!(time(not).is_err(), "{not}");
+        }
+        assert_eq!(time("2026-02-30T12:00"), Err("that month has 28 days".into()));
+    }
 
     #[test]
     fn sizes() {

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use clap::CommandFactory;
+use clap::{CommandFactory, ValueEnum};
 use glam::DVec3;
 
 use super::args::{Cli, SceneArgs};
@@ -15,7 +15,7 @@ use crate::gpu::Gpu;
 use crate::heightfield::generate::{Recipe, recipe_file};
 use crate::heightfield::import::{ImportOptions, Listener};
 use crate::heightfield::{HeightField, LoadError, Loaded, gallery, load};
-use crate::scene::{ColourSource, GroundColour, Scene};
+use crate::scene::{ColourSource, GroundColour, Hillshade, Scene};
 use crate::scene_file;
 
 /// Samples on a side that every adapter this program meets can hold in a texture.
@@ -168,10 +168,20 @@ pub(crate) fn cannot_open(path: &Path, scene: Option<&Path>, error: LoadError) -
         }
         return failure.line(format!("Or is it a scene? Then write --scene {}.", path.display()));
     }
+    if let Some(value) = path.to_str().filter(|_| missing).filter(|word| is_value(word)) {
+        return failure.line(format!(
+            "Is {value} the value of an option? --contours and --hillshade take theirs with =, as in --contours=100."
+        ));
+    }
     match path.to_str().filter(|_| missing).and_then(meant_command) {
         Some(hint) => failure.line(hint),
         None => failure,
     }
+}
+
+/// Whether a word that is no file may be meant for an option whose value can be left out.
+fn is_value(word: &str) -> bool {
+    word.parse::<f64>().is_ok() || Hillshade::from_str(word, true).is_ok()
 }
 
 /// What to say about a word that may be a mistyped command: which one it may be, and which there are.
@@ -276,7 +286,7 @@ pub(crate) fn place_camera(args: &SceneArgs, scene: &mut Scene, map: &HeightFiel
 
 /// Tells of what in `scene` shows nothing.
 pub(crate) fn warn_of(scene: &Scene, map: &HeightField) {
-    for remark in scene_file::remarks(scene, map.box_size(scene.terrain.height_scale)) {
+    for remark in scene_file::remarks(scene, map.box_size(scene.terrain.height_scale), map.metric_range()) {
         super::warn(&remark);
     }
 }

@@ -117,9 +117,22 @@ impl Physical {
         let angle = direction.dot(self.sun).clamp(-1.0, 1.0).acos().to_degrees();
         let disc = ((PHYSICAL_SUN + SUN_EDGE - angle) / (2.0 * SUN_EDGE)).clamp(0.0, 1.0) * (1.0 - below).floor();
         light += self.light.sun.as_vec3() * (20.0 * disc * disc);
-        Vec3::ONE - (-light).exp()
+        shown(light)
     }
 }
+
+/// Light as a picture shows it, 0 to 1. Each colour by a curve of its own would bleach the strong ones and keep the weak: the
+/// orange around a low sun would turn to lemon. Most of the curve is therefore that of the strongest colour, which keeps the
+/// hue; the rest lets the sun itself go white.
+fn shown(light: Vec3) -> Vec3 {
+    let light = light.max(Vec3::ZERO);
+    let strongest = light.max_element().max(1e-6);
+    let same_hue = light * ((1.0 - (-strongest).exp()) / strongest);
+    same_hue.lerp(Vec3::ONE - (-light).exp(), BLEACHED)
+}
+
+/// Share of the curve that each colour has of its own.
+const BLEACHED: f32 = 0.3;
 
 /// Reflectance of the plain, greyed by the air over it.
 const PLAIN: Vec3 = Vec3::new(0.20, 0.20, 0.19);
@@ -172,13 +185,13 @@ impl AirLight {
         let directions = (0..HORIZON).map(horizon_direction);
         if let Some(turbidity) = sky.turbidity {
             let physical = Physical::new(sky.sun, turbidity);
-            let shown = |direction: Vec3| {
+            let at_horizon = |direction: Vec3| {
                 let light = physical.sky.sky(direction.as_dvec3()) * physical.light.exposure;
-                Vec3::ONE - (-light.as_vec3()).exp()
+                shown(light.as_vec3())
             };
             let above = physical.sky.sky(DVec3::Y) * physical.light.exposure;
             return Self {
-                horizon: directions.map(shown).collect(),
+                horizon: directions.map(at_horizon).collect(),
                 sun: physical.light.sun.as_vec3(),
                 sky: above.as_vec3(),
                 exposed: true,
@@ -242,11 +255,15 @@ fn colour(sky: &Sky, direction: Vec3) -> Vec3 {
         let haze = ((direction.y + 0.12) / 0.2).clamp(0.0, 1.0);
         light = light.lerp(rock.lerp(horizon, 0.35 * haze + 0.1), below(direction.y, ridge));
     }
-    // Below the horizon: a plain that fades into the haze.
+    // Below the horizon a plain, the farther the more of the haze at the hills' feet before it: no edge where they meet.
     let depth = ((-direction.y - 0.02) * 4.0).clamp(0.0, 1.0);
     let plain = Vec3::new(0.50, 0.46, 0.41).lerp(Vec3::new(0.30, 0.25, 0.20), depth);
-    light.lerp(plain, below(direction.y, -0.02)) * day
+    let clear = (PAINTED_HAZE / direction.y.min(-1e-3)).exp();
+    light.lerp(plain, clear * below(direction.y, -0.02)) * day
 }
+
+/// Sine of the angle below the painted horizon at which haze leaves 37 % of the plain's light.
+const PAINTED_HAZE: f32 = 0.09;
 
 /// How much of a texel at the height `y` lies below `edge`: edges are as soft as a texel is large, or they show as
 /// stairs.

@@ -220,9 +220,7 @@ pub(super) struct WaterBuffer {
 
 /// The box of the water under a sea of this level (world units), where there is any.
 fn block(scene: &Scene, ground: &Ground, extent: DVec3) -> Result<Option<DVec3>, RenderError> {
-    let field = ground.terrain().base();
-    let range = field.extent_metres().map(|_| field.range());
-    let share = scene.water.level_share(range).ok_or(RenderError::Impossible {
+    let share = scene.water.level_share(ground.terrain().base().metric_range()).ok_or(RenderError::Impossible {
         what: "the level of the sea in metres",
         why: "the metres of this map are not known",
         instead: "give it as a share of its height (water.levels = \"share\"), or the map its metres in a sidecar",

@@ -12,6 +12,16 @@ pub struct SunPlace {
     pub elevation: f64,
 }
 
+/// Days of a month, 1 to 12, of the Gregorian calendar.
+pub fn days_in_month(year: i32, month: u32) -> u32 {
+    match month {
+        2 if year % 4 == 0 && (year % 100 != 0 || year % 400 == 0) => 29,
+        2 => 28,
+        4 | 6 | 9 | 11 => 30,
+        _ => 31,
+    }
+}
+
 /// Days from noon of 1 January 4713 BC (Julian) to `hour` UTC of a day of the Gregorian calendar; the hour may lie outside
 /// of the day. Meeus, chapter 7.
 pub fn julian_day(year: i32, month: u32, day: u32, hour: f64) -> f64 {

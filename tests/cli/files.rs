@@ -178,6 +178,11 @@ fn a_mistyped_command_is_answered_with_the_commands() {
     let bench = Bench::new();
     let run = bench.relief("rendr map.png -o out.png");
     run.expect(3, &["relief render", "The commands are view, render, report"]);
+    // The value of an option that takes it with = or not at all.
+    for value in ["100", "multidirectional"] {
+        let run = bench.relief(&format!("render --contours {value} -o out.png"));
+        assert!(!run.expect(3, &["--contours=100"]).stderr.contains("The commands"), "{}", run.stderr);
+    }
     // With options that only the command knows, the arguments make no sense.
     bench.relief("genrate ridged --seed 3 -o out.png").expect(2, &["--seed", "relief generate", "The commands are"]);
     bench.map("map.png", 8, 8);

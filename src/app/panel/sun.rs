@@ -5,6 +5,7 @@ use egui::Ui;
 use super::Panel;
 use super::widgets::{Choice, Number, choose, fact, section, toggle};
 use crate::scene::light::{Clock, Shadows};
+use crate::scene::sun::days_in_month;
 
 pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
     let reset = "No shadows, and a sun that stands where the lighting says. Free.";
@@ -51,7 +52,8 @@ pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
             0.0..=24.0,
         );
         number("Month", "Month of the year. Free per frame.").slider(ui, &mut clock.month, 1..=12);
-        number("Day", "Day of the month. Free per frame.").slider(ui, &mut clock.day, 1..=31);
+        let days = days_in_month(clock.year, clock.month);
+        number("Day", "Day of the month. Free per frame.").slider(ui, &mut clock.day, 1..=days);
         number("Year", "The sun's place is good to 0.01° from 1900 to 2100. Free per frame.").slider(
             ui,
             &mut clock.year,

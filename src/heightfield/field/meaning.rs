@@ -80,6 +80,11 @@ impl HeightField {
         self.range
     }
 
+    /// What the heights 0 and 1 stand for in metres, where the map's scale is known.
+    pub fn metric_range(&self) -> Option<[f64; 2]> {
+        self.extent_metres.map(|_| self.range)
+    }
+
     /// Horizontal extent west–east and north–south in metres, where it is known.
     pub fn extent_metres(&self) -> Option<[f64; 2]> {
         self.extent_metres
