@@ -248,6 +248,29 @@ fn every_control_of_every_section_has_a_name_and_does_something() {
     assert!(all.is_empty(), "these do nothing, or are greyed out in every state: {all:?}");
 }
 
+/// Whoever has no mouse gets to every control that is not greyed out: Tab walks through all of a section.
+#[test]
+fn tab_walks_through_every_control() {
+    for section in SECTIONS {
+        for state in STATES {
+            let mut harness = harness_in(section, state);
+            let wanted: BTreeSet<_> =
+                controls(&harness).into_iter().filter(|(.., off)| !off).map(|(_, name, _)| name).collect();
+            let mut reached = BTreeSet::new();
+            // A slider is two stops, its bar and its number; the header is one.
+            for _ in 0..2 * controls(&harness).len() + 2 {
+                harness.key_press(egui::Key::Tab);
+                harness.run_steps(1);
+                let nodes = harness.root().children_recursive();
+                let focused = nodes.map(|node| node.accesskit_node()).find(|node| node.is_focused());
+                reached.extend(focused.and_then(|node| node.label()));
+            }
+            let missed: Vec<_> = wanted.difference(&reached).collect();
+            assert!(missed.is_empty(), "Tab does not get to {missed:?} in {}", section.0);
+        }
+    }
+}
+
 #[test]
 fn a_key_is_chosen_by_name_and_a_taken_one_is_said_to_be() {
     let keys = *SECTIONS.iter().find(|section| section.0 == "Keys").unwrap();
