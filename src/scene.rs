@@ -12,6 +12,7 @@ pub mod light;
 mod materials;
 pub mod motion;
 pub mod ramp;
+mod remarks;
 mod saved;
 pub mod sun;
 pub(crate) mod water;
@@ -33,6 +34,7 @@ pub use detail::DetailSettings;
 pub use flare::FlareSettings;
 pub use land::{GroundColour, Hillshade, LandSettings};
 pub use ramp::Ramp;
+pub use remarks::remarks;
 pub use saved::SavedSettings;
 
 pub use water::Water;
@@ -121,8 +123,8 @@ pub enum Technique {
     /// the crossing to f32's precision. The map must have no holes.
     Smooth,
     /// Ground with invented detail: the bilinear surface, and near the eye fractal noise finer than the samples, as rough as
-    /// the map. The same walk, and in each cell steps that cannot pass the ground, to a
-    /// hundredth of a pixel. The map must have no holes.
+    /// the map. The same walk, and in each cell steps that cannot pass the ground, to a hundredth of a pixel. The map must have
+    /// no holes.
     Fractal,
 }
 

@@ -9,6 +9,7 @@ use super::output::{Output, make_folder};
 use super::terrain::{self, Source};
 use super::watch::Watch;
 use crate::camera::{Camera, NamedView};
+use crate::heightfield::import::Georeference;
 use crate::heightfield::{EditedTerrain, HeightField};
 use crate::report::{self, Job, Report, plot, tables};
 use crate::scene::Scene;
@@ -36,6 +37,9 @@ pub(crate) fn run(args: &ReportArgs) -> Result<(), Failure> {
              times are wall times, from submitting a frame to its end",
         );
     }
+    // What a picture on the ground costs is the same anywhere: a map that does not say where it lies is laid somewhere.
+    let place = map.georeference().cloned().unwrap_or_else(|| Georeference::new([0.0; 2], [1.0, -1.0]));
+    let map = map.with_georeference(Some(place));
     let job = Job { map_name: source.name(), map: Arc::new(map), scene, views, size: args.size, quick: args.quick };
     let report = {
         let watch = Watch::start();

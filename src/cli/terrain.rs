@@ -15,7 +15,7 @@ use crate::gpu::Gpu;
 use crate::heightfield::generate::{Recipe, recipe_file};
 use crate::heightfield::import::{ImportOptions, Listener};
 use crate::heightfield::{HeightField, LoadError, Loaded, gallery, load};
-use crate::scene::{ColourSource, GroundColour, Hillshade, Scene};
+use crate::scene::{self, ColourSource, GroundColour, Hillshade, Scene};
 use crate::scene_file;
 
 /// Samples on a side that every adapter this program meets can hold in a texture.
@@ -286,7 +286,7 @@ pub(crate) fn place_camera(args: &SceneArgs, scene: &mut Scene, map: &HeightFiel
 
 /// Tells of what in `scene` shows nothing.
 pub(crate) fn warn_of(scene: &Scene, map: &HeightField) {
-    for remark in scene_file::remarks(scene, map.box_size(scene.terrain.height_scale), map.metric_range()) {
+    for remark in scene::remarks(scene, map.box_size(scene.terrain.height_scale), map.metric_range()) {
         super::warn(&remark);
     }
 }
@@ -395,7 +395,7 @@ mod tests {
         assert!(later.enabled && (later.year, later.month, later.day, later.hour) == (2026, 12, 21, 19.5));
         assert_eq!((scene.occluder.enabled, scene.occluder.position), (true, Some(DVec3::new(1.0, 2.0, 3.0))));
         assert_eq!(scene.craters.mode, CraterMode::Layered);
-        assert!(scene.debug.wireframe && scene.debug.view == crate::scene::DebugView::Normals);
+        assert!(scene.debug.wireframe && scene.debug.view == scene::DebugView::Normals);
     }
 
     #[test]

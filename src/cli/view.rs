@@ -10,7 +10,7 @@ use super::render;
 use super::terrain::{self, Source};
 use crate::app::{self, AppError, ViewerOptions};
 use crate::heightfield::Provenance;
-use crate::scene_file;
+use crate::scene;
 
 /// Size of the picture that stands in for a window, pixels.
 const PICTURE_SIZE: [u32; 2] = [1280, 800];
@@ -25,7 +25,7 @@ pub(crate) fn run(args: &ViewArgs) -> Result<(), Failure> {
     scene.lighting.clock.stand_on(map.geographic_bounds());
     terrain::place_camera(&args.scene, &mut scene, &map.field)?;
     // The window repeats on stderr what it warns of.
-    let remarks = scene_file::remarks(&scene, map.field.box_size(scene.terrain.height_scale), map.field.metric_range());
+    let remarks = scene::remarks(&scene, map.field.box_size(scene.terrain.height_scale), map.field.metric_range());
     let path = match &source {
         Source::File { path, .. } => Some(std::path::absolute(path).unwrap_or_else(|_| path.clone())),
         Source::Recipe(_) | Source::BuiltIn => None,

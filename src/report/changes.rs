@@ -204,9 +204,12 @@ impl Pictures {
         let coverage = path.and_then(|path| {
             coverage_map(path, Self::SIDES[0]).map_err(|error| told("materials by a coverage map", error)).ok()
         });
-        let imagery = path.and_then(|path| {
-            placed_picture(path, Self::SIDES[1], map).map_err(|error| told("a placed picture", error)).ok()
+        let imagery = path.zip(map.georeference()).and_then(|(path, place)| {
+            placed_picture(path, Self::SIDES[1], map, place).map_err(|error| told("a placed picture", error)).ok()
         });
+        if map.georeference().is_none() {
+            left_out.push("Table 1, a placed picture: the map does not say where it lies".to_owned());
+        }
         Self { coverage, imagery, _folder: folder }
     }
 }
@@ -222,20 +225,14 @@ fn coverage_map(folder: &Path, side: u32) -> std::io::Result<PathBuf> {
     Ok(path)
 }
 
-/// Where the report takes a map to lie that does not say it: what a picture on the ground costs is the same anywhere.
-pub(super) fn somewhere() -> Georeference {
-    Georeference::new([0.0; 2], [1.0, -1.0])
-}
-
 /// A picture of fields in green and brown with the world file that lays it over the map.
-fn placed_picture(folder: &Path, side: u32, map: &HeightField) -> std::io::Result<PathBuf> {
+fn placed_picture(folder: &Path, side: u32, map: &HeightField, place: &Georeference) -> std::io::Result<PathBuf> {
     let path = folder.join("ground.png");
     let picture = image::RgbImage::from_fn(side, side, |x, y| {
         let field = (x / 24 * 7 + y / 40 * 13) % 5;
         image::Rgb([90 + 20 * field as u8, 130 - 10 * field as u8, 60])
     });
     picture.save(&path).map_err(std::io::Error::other)?;
-    let place = map.georeference().cloned().unwrap_or_else(somewhere);
     let cells = map.cells().map(f64::from);
     // From the middle of the first pixel to that of the last lie all the map's cells but half a pixel on each side.
     let [across, down] = cells.map(|cells| cells / f64::from(side));

@@ -103,16 +103,16 @@ fn view_times(
         if tell(0.0) {
             return Err(Halt::Asked);
         }
-        let drawn = studio.frame(scene).map(drop);
-        if let Err(error @ (RenderError::Unsupported { .. } | RenderError::Impossible { .. })) = &drawn {
-            let note = format!("{table}, {name}: {}", first_line(error));
-            if !left_out.contains(&note) {
-                left_out.push(note);
+        match studio.frame(scene) {
+            Ok(_) => able.push(true),
+            Err(error @ (RenderError::Unsupported { .. } | RenderError::Impossible { .. })) => {
+                let note = format!("{table}, {name}: {}", first_line(&error));
+                if !left_out.contains(&note) {
+                    left_out.push(note);
+                }
+                able.push(false);
             }
-            able.push(false);
-        } else {
-            drawn?;
-            able.push(true);
+            Err(error) => return Err(error.into()),
         }
     }
     // A frame after one of its like: the first pays for textures and bindings that the others had no use for.

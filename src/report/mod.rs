@@ -215,8 +215,9 @@ impl Report {
                 monitor.tell("the cost of each feature", begin + FEATURES_SHARE * (half + 0.5 * done));
                 monitor.stop()
             })?;
+            // The next frames are of other techniques: their renderers need the memory.
+            studio.clear();
         }
-        studio.clear();
         let digging = edit::Digging { studio: &studio, job, budget_s: EDIT_SECONDS[pace], monitor };
         digging.measure(&scene, &prepared, &mut self.edits, &mut self.left_out)
     }

@@ -3,7 +3,6 @@
 use std::cell::OnceCell;
 use std::sync::Arc;
 
-use super::changes;
 use crate::gpu::{Gpu, Target};
 use crate::heightfield::{ConeMap, HeightField};
 use crate::render::{ConeGround, PreparedTerrain, RenderError, Renderer};
@@ -16,8 +15,6 @@ struct Kind {
     craters: Option<CraterMode>,
     /// Whether light is kept in a map, which another scene would drop.
     baked: bool,
-    /// Whether a picture lies on the ground, which a map must have a place for.
-    placed: bool,
 }
 
 /// Renderers by the textures that their scenes need, and one target for all.
@@ -89,17 +86,11 @@ impl Studio {
             own: (!technique.samples_uniformly()).then_some(technique),
             craters: (!scene.craters.list.is_empty()).then_some(scene.craters.mode),
             baked: scene.lighting.baked,
-            placed: scene.land.imagery.is_some(),
         };
         let index = match self.renderers.iter().position(|(known, _)| *known == kind) {
             Some(index) => index,
             None => {
-                let mut renderer = self.fresh()?;
-                if kind.placed && self.map.georeference().is_none() {
-                    let map = HeightField::clone(&self.map).with_georeference(Some(changes::somewhere()));
-                    renderer.set_terrain(Arc::new(map))?;
-                }
-                self.renderers.push((kind, renderer));
+                self.renderers.push((kind, self.fresh()?));
                 self.renderers.len() - 1
             }
         };

@@ -261,9 +261,9 @@ fn tab_walks_through_every_control() {
             for _ in 0..2 * controls(&harness).len() + 2 {
                 harness.key_press(egui::Key::Tab);
                 harness.run_steps(1);
-                let nodes = harness.root().children_recursive();
-                let focused = nodes.map(|node| node.accesskit_node()).find(|node| node.is_focused());
-                reached.extend(focused.and_then(|node| node.label()));
+                let mut nodes = harness.root().children_recursive();
+                let focused = nodes.find(|node| node.accesskit_node().is_focused());
+                reached.extend(focused.and_then(|node| node.accesskit_node().label()));
             }
             let missed: Vec<_> = wanted.difference(&reached).collect();
             assert!(missed.is_empty(), "Tab does not get to {missed:?} in {}", section.0);

@@ -52,7 +52,8 @@ pub(super) fn show(ui: &mut Ui, panel: &mut Panel<'_>) {
             0.0..=24.0,
         );
         number("Month", "Month of the year. Free per frame.").slider(ui, &mut clock.month, 1..=12);
-        let days = days_in_month(clock.year, clock.month);
+        // A scene may count on into the next month; showing the panel changes nothing.
+        let days = days_in_month(clock.year, clock.month).max(clock.day);
         number("Day", "Day of the month. Free per frame.").slider(ui, &mut clock.day, 1..=days);
         number("Year", "The sun's place is good to 0.01° from 1900 to 2100. Free per frame.").slider(
             ui,

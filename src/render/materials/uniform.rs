@@ -97,7 +97,7 @@ impl MaterialsUniform {
     /// does not know.
     pub(crate) fn new(scene: &Scene, ground: &Ground, extent: DVec3) -> Option<Self> {
         let field = ground.terrain().base();
-        let range = field.extent_metres().map(|_| field.range());
+        let range = field.metric_range();
         let settings = &scene.materials.for_map(range);
         let levels = settings.level_shares(range)?.map(|share| share * extent.y as f32);
         let cells = f64::from(field.cells()[0]) / extent.x;
